@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +11,7 @@ import typer
 
 from . import complete
 from .options import JsonOpt, OutOpt, PlotOpt, SurfaceOpt, check_outputs, deliver
-from .render import at_options, refuse, stages
+from .render import at_options, refuse, say_at_once, stages
 
 GOAL, FRONT = "f_worst", "f_worst,start_worst_m_s2"
 RobotsArg = Annotated[
@@ -67,8 +69,8 @@ def design(
 ) -> None:
     """Which robot to build: the best over varied quantities and why, or several ideas side by side.
 
-    Several ROBOTs are compared: which is best at starting, braking, cornering, turning, pushing, and where
-    each one's battery belongs.  Those that the spread of friction cannot tell apart are called alike.
+    Several ROBOTs are compared: which is best at starting, driving, braking, cornering, turning, pushing,
+    and where each one's battery belongs.  Those that chance may have made differ are alike.
     One ROBOT with --vary: every limit over grids of its quantities.
     Quantities: delta_deg, wheels, circle_radius_m, com_y_m, coefficient_ratio … (a wrong one lists all).
     With --out, work that takes long is kept in pieces in FILE.work: killed and run again, it goes on.
@@ -96,6 +98,7 @@ def design(
         refuse("--vary", "is missing", "name a quantity to vary, or several robots to compare")
     resume = None if out is None else out.with_name(out.name + ".work")
     with (
+        _kept_in(resume),
         stages("designs") as report,
         at_options(
             surface="--surface",
@@ -123,6 +126,17 @@ def design(
         )
     deliver(found, out=out, plot=plot, json=json, report=html)
     found.forget_work()
+
+
+@contextmanager
+def _kept_in(resume: Path | None) -> Iterator[None]:
+    """Whoever interrupts long work is told where its finished pieces are."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        if resume is not None and resume.is_dir():
+            say_at_once(f"finished pieces are kept in {resume}: the same command goes on from there")
+        raise
 
 
 def _only_for_one(given: dict[str, bool]) -> None:

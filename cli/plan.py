@@ -33,9 +33,7 @@ BlendOpt = Annotated[
         help=("Straight lines, corners rounded from M metres before each waypoint (default: a spline)."),
     ),
 ]
-SpeedOpt = Annotated[
-    float, typer.Option(metavar="V", min=0.0, help="Speed there [m/s], turning counted at the wheels.")
-]
+SpeedOpt = Annotated[float, typer.Option(metavar="V", min=0.0, help="Speed over the floor there [m/s].")]
 MaxSpeedOpt = Annotated[float | None, typer.Option(metavar="V", help="Speed cap [m/s].")]
 MaxYawRateOpt = Annotated[float | None, typer.Option(metavar="W", help="Yaw rate cap [rad/s].")]
 RobustOpt = Annotated[

@@ -13,7 +13,7 @@ from slipmargin.api.robots import RobotLike, checked_margin, contact_of, model_o
 from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.paths.trajectory import Trajectory
-from slipmargin.robot.mistakes import ABSURD_USE
+from slipmargin.robot.mistakes import ABSURD_USE, unlikely_motion
 
 if TYPE_CHECKING:
     from slipmargin.model import Model
@@ -235,5 +235,6 @@ def check(
     if smooth_s > 0.0 and not widened(found.t_s, smooth_s):
         least = f"smooth_s {smooth_s:g} has no effect: no window is wider than without it; give a longer one"
         warnings = (*warnings, least)
+    warnings = (*warnings, *unlikely_motion(found.velocity, model.reach_m))
     warnings = (*warnings, *unsteady(model, found.states(pose), contact))
     return CheckResult(model=model, check=found, pose=pose, warnings=warnings, source_format=form)

@@ -24,7 +24,7 @@ MOST = 12
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False, repr=False)
 class CompareResult(Result):
-    """Several robots on one floor: starting, braking, cornering, turning, pushing, the battery's place."""
+    """Several robots on one floor: starting, driving, braking, cornering, turning, pushing, battery."""
 
     surface: str
     ideas: tuple[Idea, ...]
@@ -118,7 +118,7 @@ class CompareResult(Result):
 
 
 def compare(robots: Sequence[RobotLike], surface: str) -> CompareResult:
-    """Which of several robots is best at starting, braking, cornering, turning, pushing, and mass placement.
+    """Which of several robots is best at starting, driving, braking, cornering, turning and pushing.
 
     Robots whose difference may be chance are called alike: where their files give friction with a spread,
     within 95 % of what it makes; else within half a percent (the battery's place: one percent).

@@ -10,7 +10,7 @@ from slipmargin.api.robots import RobotLike, read_robot, warnings_of
 from slipmargin.errors import InputError
 
 if TYPE_CHECKING:
-    from slipmargin.report.simulator_parts import SimRobot
+    from slipmargin.report.simulator_parts import SimRobot, SimWheel
 
 FORMATS = ("sdf", "mjcf", "urdf")
 
@@ -37,9 +37,14 @@ class SimulatorModel(Result):
 
     def lines(self) -> list[str]:
         """The friction of every wheel."""
+
+        def across(w: SimWheel) -> str:
+            if self.format == "mjcf":
+                return f"{w.mu2:.4g} across by the rollers' hinges"
+            return f"mu2 {w.mu2:.4g}, slip {w.slip1:.3g} and {w.slip2:.3g} m/(N s)"
+
         rows = [
-            f"wheel {w.name}: mu {w.mu:.4g} along ({w.grip[0]:.3f}, {w.grip[1]:.3f}), mu2 {w.mu2:.4g}, "
-            f"slip {w.slip1:.3g} and {w.slip2:.3g} m/(N s)"
+            f"wheel {w.name}: mu {w.mu:.4g} along ({w.grip[0]:.3f}, {w.grip[1]:.3f}), {across(w)}"
             for w in self.robot.wheels
         ]
         return [self.summary(), *rows]

@@ -149,7 +149,7 @@ def next_run(
     from slipmargin.api.diagnose import check_sense, read_data
     from slipmargin.data.clean_up import repaired
     from slipmargin.diagnosis.turned import FRAME, data_set_in
-    from slipmargin.diagnosis.watch import Watch
+    from slipmargin.diagnosis.watch import Watch, cut_short
     from slipmargin.experiment.motions import Space, checked_space, reach_m
     from slipmargin.experiment.next_runs import Request, next_runs
     from slipmargin.experiment.turned import next_runs_in
@@ -202,7 +202,8 @@ def next_run(
         seed=seed,
     )
     found = next_runs(mended.data_set, request, mended.repairs, Watch.of(progress, budget_s))
-    warnings = unused(data.recipe.robot, data.surface, spread=NO_SPREAD, band=False)
+    cut = cut_short(budget_s) if found.was_cut else ()
+    warnings = (*cut, *unused(data.recipe.robot, data.surface, spread=NO_SPREAD, band=False))
     return NextRunResult(next_runs=next_runs_in(found, FRAME, own), warnings=warnings)
 
 

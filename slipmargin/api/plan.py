@@ -127,7 +127,7 @@ class PlanResult(Result):
         """Everything as numbers."""
         from slipmargin.report.paths import limiting
 
-        p = self.plan
+        p, along = self.plan, self.plan.profile()
         return {
             "schema": 1,
             "robot": p.model.robot,
@@ -135,13 +135,13 @@ class PlanResult(Result):
             "margin": 1.0 - p.request.share,
             "contact": p.request.contact.name.lower(),
             "duration_s": p.duration_s,
-            "length_m": p.path.length,
+            "length_m": float(along.way_m[-1]),
             "max_use": p.max_use,
             **({} if self.plan_chance is None else {"slip_chance": asdict(self.plan_chance)}),
             "grid_points": len(p.x),
-            "s_m": p.grid.s,
-            "speed_m_s": np.sqrt(p.x),
-            "speed_limit_m_s": np.sqrt(p.highest),
+            "s_m": along.way_m,
+            "speed_m_s": along.speed_m_s,
+            "speed_limit_m_s": along.highest_m_s,
             "limiting": limiting(p),
             "trajectory": self.trajectory.columns(),
             "simulated": {
@@ -198,7 +198,7 @@ def plan(
         Straight lines with corners rounded from so many metres before each waypoint [m]; without it the
         path is a spline.
     start_speed_m_s, end_speed_m_s : float
-        Speed at the ends of the path [m/s], turning counted as the way of the wheels.
+        Speed over the floor at the ends of the path [m/s], of the wheels where the robot turns on the spot.
     max_speed_m_s, max_yaw_rate_rad_s : float, optional
         Caps [m/s, rad/s].
     robust : bool

@@ -133,13 +133,10 @@ def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
 
 def held_wheels(model: Model) -> tuple[str, ...]:
     """A warning where grip bears more than the motors hold: limits of wheels that are held are no pushes."""
-    stall = model.drives.stall_torque_N_m
-    if stall is None:
-        return ()
-    g = model.geometry
+    g, given = model.geometry, model.drives.stall_torques(model.count)
     bears = (model.grip.roller * abs(g.torque_arms()).T).sum(axis=1) * model.loads.rest_N
-    first = int(bears.argmax())
-    radius = g.radius_m[first]
+    first = int((bears / given).argmax())
+    radius, stall = g.radius_m[first], given[first]
     if stall >= bears[first]:
         return ()
     return (

@@ -92,10 +92,10 @@ class StopResult(Result):
 
     def summary(self) -> str:
         """The longest stop from the highest speed."""
-        h = self.longest
+        most = float(np.nanmax([self.distance_m[:, -1], self.simulated_m[:, -1]]))
         return (
             f"stop of {self.model.robot} on {self.model.surface}: from {self.speed_m_s[-1]:.4g} m/s at most "
-            f"{self.distance_m[h, -1]:.4g} m and {np.max(self.time_s[:, -1]):.4g} s"
+            f"{most:.4g} m and {np.max(self.time_s[:, -1]):.4g} s"
         )
 
     def lines(self) -> list[str]:

@@ -278,7 +278,6 @@ def named_candidates(
         if effect.needs_wheel_angles and not angles:
             continue
         stamped = effect.is_the_clock and timed
-        single = issubclass(effect, WheelEffect) and effect.one_wheel
         for variant in effect.variants or (None,):
             if variant is not None:
                 able = {
@@ -287,12 +286,16 @@ def named_candidates(
                     if p.least_wheels <= len(wheels) and not (coupled and p.needs_own_law_across)
                 }
                 variant = replace(variant, free=tuple(name for name in variant.free if name in able))
-            made = [
-                named_candidate(effect, variant, on, reach)
-                for on in ([(w,) for w in wheels] if single else [()])
-            ]
+            made = [named_candidate(effect, variant, on, reach) for on in _tried_on(effect, wheels)]
             found += [_stamped(c) for c in made] if stamped else made
     return found
+
+
+def _tried_on(effect: type[Effect], wheels: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """The wheels that an effect is tried on; none named are all of them."""
+    if not issubclass(effect, WheelEffect):
+        return [()]
+    return [()] * effect.all_wheels + [(wheel,) for wheel in wheels if effect.one_wheel]
 
 
 def _stamped(clock: Candidate) -> Candidate:

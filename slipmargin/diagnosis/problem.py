@@ -24,7 +24,7 @@ from slipmargin.diagnosis.prepare import Trial
 from slipmargin.diagnosis.residual_diagnostics import residual_rate
 from slipmargin.diagnosis.sense import is_ideal, measure
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.signals import InterpolationScheme, start_twist, wheel_signal, with_phases
+from slipmargin.diagnosis.signals import InterpolationScheme, started, wheel_signal, with_phases
 from slipmargin.diagnosis.start_pose import aligned, fitted_start
 from slipmargin.effects import AnyEffect, Recipe
 from slipmargin.effects.confined import acting
@@ -98,7 +98,11 @@ class Problem:
         nominal = nominal_model(recipe.robot, surface)
         members = tuple(members) or ((recipe, nominal),)
         own = np.zeros(len(trials), dtype=np.int64) if not len(member_of) else np.asarray(member_of)
-        signals = tuple(wheel_signal(t, commanded) for t in trials)
+        begun = [
+            started(members[m][1], t, wheel_signal(t, commanded), sigma, commanded)
+            for m, t in zip(own, trials, strict=True)
+        ]
+        signals = tuple(signal for signal, _ in begun)
         batch = _flattened(trials, signals, commanded)
         wheels = [(members[m][1], t, s) for m, t, s in zip(own, trials, signals, strict=True)]
         longest = max(len(t.t_s) for t in trials)
@@ -119,7 +123,7 @@ class Problem:
             step_s=float(np.median(np.concatenate([np.diff(t.t_s) for t in trials]))),
             wheel_phases=np.zeros((len(trials), nominal.count)),
             starts=np.array([_first_pose(*of) for of in wheels]),
-            twists=np.array([start_twist(*of, sigma) for of in wheels]),
+            twists=np.array([twist for _, twist in begun]),
             members=members,
             member_of=own,
             signals=signals,
@@ -267,7 +271,7 @@ class Problem:
 
     def rebuilt(self, scheme: InterpolationScheme) -> Problem:
         """The same problem with the wheels' motion interpolated differently, and integrated finely."""
-        signals = tuple(wheel_signal(t, self.commanded, scheme) for t in self.trials)
+        signals = self._interpolated(scheme)
         batch = self._batch(signals, self.wheel_phases)
         return replace(self, batch=batch, signals=signals, rough_signals=(), scheme=scheme, rtol=FINE_RTOL)
 
@@ -275,7 +279,7 @@ class Problem:
         """The same problem, which knows the wheels' motion by few samples where these are much fewer."""
         if self.commanded and any(t.record.commands_held for t in self.trials):
             return self  # each jump of a command makes the wheels slide: a smooth motion is another one
-        made = tuple(wheel_signal(t, self.commanded, InterpolationScheme.ROUGH) for t in self.trials)
+        made = self._interpolated(InterpolationScheme.ROUGH)
         fewer = sum(len(s.knots_s) for s in made) < _MUCH_FEWER * sum(len(s.knots_s) for s in self.signals)
         return replace(self, rough_signals=made) if fewer else self
 
@@ -302,6 +306,13 @@ class Problem:
         for row, trial, start in zip(late, self.trials, t_s, strict=True):
             row[: len(trial.t_s)] = trial.t_s > start
         return replace(self, seen=self.seen & late[..., None])
+
+    def _interpolated(self, scheme: InterpolationScheme) -> tuple[WheelSignal, ...]:
+        """The wheels' motion interpolated differently, after the same speeds."""
+        return tuple(
+            replace(wheel_signal(t, self.commanded, scheme), spin_rad_s=known.spin_rad_s)
+            for t, known in zip(self.trials, self.signals, strict=True)
+        )
 
     def _batch(self, signals: tuple[WheelSignal, ...], phases: Array) -> Batch:
         turned = [with_phases(signal, row) for signal, row in zip(signals, phases, strict=True)]

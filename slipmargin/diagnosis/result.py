@@ -121,6 +121,12 @@ class Lead:
     candidate: str | None = None
 
     @property
+    def follows(self) -> bool:
+        """Whether the residual follows the variable more than chance makes it."""
+        significant = self.p_value is not None and self.p_value <= SETTINGS.level
+        return self.source is LeadSource.ORDER or (self.source is LeadSource.MAP and significant)
+
+    @property
     def stands_out(self) -> bool:
         """Whether chance makes runs left out follow the variable as rarely as a proposal must."""
         significant = self.p_value is not None and self.p_value <= SETTINGS.significance

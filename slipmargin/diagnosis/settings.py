@@ -267,6 +267,9 @@ class SearchSettings:
     start_deviations: float = 4.0
     #: [1] … and are at least this share of the wheels' mean speeds in that time: from rest all slides.
     start_pace: float = 0.5
+    #: [1] A robot whose commands alone are known moves from the start if it has this share of what it is
+    #: asked for at once: one that starts from rest with a lag of 13 ms has less.
+    start_follows: float = 0.75
     #: [s] A part of a run that was cut at an event is kept if it is as long as this.
     least_part_s: float = 0.4
     #: [1] A fault of the data is spoken of where the effects found could take up this share of the squared

@@ -6,6 +6,7 @@ from dataclasses import replace
 from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array
 from slipmargin.data.odometry import body_path, bridged, wheel_path
@@ -156,6 +157,43 @@ def _misses(
     return angle - theta, speed - omega
 
 
+def started(
+    model: Model, trial: Trial, signal: WheelSignal, sigma: Array, commanded: bool
+) -> tuple[WheelSignal, Array]:
+    """A trial's signal with the wheel speeds before it, and the floor-frame velocity (3,) it begins with.
+
+    A robot that only commands are known of stands when they begin, unless its first poses, whose noise is
+    ``sigma`` (3,), say clearly that it follows the first command already; its wheels do so then.
+    """
+    if not commanded:
+        return signal, start_twist(model, trial, signal, sigma)
+    speeds = signal.pieces[0, :, 1]
+    if not _follows(trial, model.geometry.no_slip_map() @ speeds, sigma):
+        return signal, np.zeros(3)
+    return replace(signal, spin_rad_s=speeds), start_twist(model, trial, signal, sigma)
+
+
+def _early(trial: Trial) -> NDArray[np.bool_]:
+    """Which samples (T,) of a trial are poses that say how fast it began."""
+    return np.asarray((trial.t_s <= trial.t_s[0] + SETTINGS.start_s) & np.isfinite(trial.pose).all(axis=1))
+
+
+def _follows(trial: Trial, asked: Array, sigma: Array) -> bool:
+    """Whether a robot moves at once as it is asked to (3,), in its own frame: what starts from rest lags."""
+    early = _early(trial)
+    if not asked.any() or not early[0] or early.sum() < SETTINGS.start_poses:
+        return False
+    t, moved = trial.t_s[early] - trial.t_s[0], body_path(trial.pose[early])
+    powers = t[:, None] ** np.arange(1, 3)  # from the first pose: what starts from rest stays behind
+    to_fit = np.linalg.pinv(powers)
+    by_time = to_fit @ moved
+    missed = np.sqrt(np.sum((moved - powers @ by_time) ** 2, axis=0) / (len(t) - 2))
+    error = np.maximum(sigma, missed) * np.hypot(np.linalg.norm(to_fit[0]), np.sum(to_fit[0]))
+    size = float(np.linalg.norm(asked / error))
+    share = float((by_time[0] / error) @ (asked / error)) / size**2
+    return share > max(SETTINGS.start_follows, SETTINGS.start_deviations / size)
+
+
 def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -> Array:
     """Floor-frame velocity (3,) with which a run begins [m/s, m/s, rad/s].
 
@@ -165,7 +203,7 @@ def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -
     """
     geometry, speeds = model.geometry, signal.pieces[0, :, 1]
     body = geometry.no_slip_map() @ speeds
-    early = (trial.t_s <= trial.t_s[0] + SETTINGS.start_s) & np.isfinite(trial.pose).all(axis=1)
+    early = _early(trial)
     count, t = int(early.sum()), trial.t_s[early] - trial.t_s[0]
     if count < SETTINGS.start_poses:
         return rotate_rows(trial.start[2], body)

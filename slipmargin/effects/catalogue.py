@@ -12,6 +12,7 @@ from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.clock_rate import ClockRate
 from slipmargin.effects.command_dead_band import CommandDeadBand
 from slipmargin.effects.command_ramp import CommandRamp
+from slipmargin.effects.command_saturation import CommandSaturation
 from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.elliptic_grip import EllipticGrip
@@ -129,6 +130,7 @@ CATALOGUE = Catalogue(
         MotorLag,
         CommandRamp,
         CommandDeadBand,
+        CommandSaturation,
         MotorTorque,
         SpeedDroop,
         WheelPlay,

@@ -276,7 +276,9 @@ class Effect(ABC):
 class WheelEffect(Effect):
     """Abstract.  An effect that acts on single wheels: ``wheels`` names them; empty means all."""
 
-    #: Whether it belongs to one wheel, so that a diagnosis tries it on each.
+    #: Whether wheels have it in common, so that a diagnosis tries it on all at once …
+    all_wheels: ClassVar[bool] = True
+    #: … and whether one wheel has it alone, so that a diagnosis tries it on each.
     one_wheel: ClassVar[bool] = False
 
     wheels: tuple[str, ...] = ()

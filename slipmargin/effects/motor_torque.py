@@ -7,25 +7,26 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
+from slipmargin.effects.effect import Part, Quantity, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import Drives
 
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MotorTorque(Effect):
-    """1/T ← 1/T + shortfall/T_g: T what a motor gives at standstill, T_g what a wheel's grip bears.
+class MotorTorque(WheelEffect):
+    """1/T_i ← 1/T_i + shortfall/T_g: T_i what a motor gives at standstill, T_g what a wheel's grip bears.
 
     T is ∞ where the robot file states no ``stall_torque_N_m``; T_g is the mean of μ_W N ρ over the wheels at
     rest.  A motor that is asked for more gives what it has, and its wheel falls behind its command.
     """
 
     name = "motor_torque"
-    summary = "The motors give less torque than is asked for: a current limit, a weak battery, a worn motor."
+    summary = "Motors give less torque than is asked for: a current limit, a weak battery, one worn motor."
     traced_to = Trace.ACTUATION
     part = Part.DRIVES
     scope = Scope.MACHINE
+    one_wheel = True
     parameters = (
         parameter(
             "shortfall",
@@ -47,13 +48,17 @@ class MotorTorque(Effect):
         """Drives with less torque."""
         if self.shortfall == 0.0:
             return part
-        stated = 0.0 if part.stall_torque_N_m is None else 1.0 / part.stall_torque_N_m
-        return replace(part, stall_torque_N_m=1.0 / (stated + self.shortfall / _grip_torque_N_m(nominal)))
+        weaker = self.mask(nominal) * self.shortfall / _grip_torque_N_m(nominal)
+        with np.errstate(divide="ignore"):
+            stall = 1.0 / (1.0 / part.stall_torques(nominal.count) + weaker)
+        return replace(part, stall_torque_N_m=stall)
 
     def derived(self, model: Model) -> tuple[Quantity, ...]:
-        """The torque that a motor gives at standstill."""
-        torque = model.drives.stall_torque_N_m
-        return () if torque is None else (Quantity(name="stall_torque_N_m", value=torque, unit="N m"),)
+        """The torque that such a motor gives at standstill."""
+        torque = model.drives.stall_torques(model.count)[self.mask(model) > 0.0]
+        if not np.isfinite(torque).all():
+            return ()
+        return (Quantity(name="stall_torque_N_m", value=float(torque.min()), unit="N m"),)
 
 
 def _grip_torque_N_m(model: Model) -> float:

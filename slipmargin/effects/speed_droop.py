@@ -20,6 +20,7 @@ class SpeedDroop(WheelEffect):
     traced_to = Trace.ACTUATION
     part = Part.TRANSIENTS
     scope = Scope.MACHINE
+    one_wheel = True
     parameters = (
         parameter(
             "droop_rad_s_per_N_m", "rad/(s N m)", (0.0, 0.0, 500.0), 2.0, "speed lost per torque delivered"

@@ -52,7 +52,7 @@ class StiffRoller(WheelEffect):
             idle=True,
         ),
     )
-    one_wheel = True
+    all_wheels, one_wheel = False, True
     needs_wheel_phase = True
     needs_wheel_angles = True
     source = "eq. (11) with a friction of its own for one roller; factor above 1 = turns more heavily"

@@ -129,7 +129,7 @@ def _mirrored(basis: Basis, shape: Array, coefficients: Array) -> tuple[Array, A
         return -shape, coefficients
     if basis is Basis.LOBE:
         return np.array([-a, b]), coefficients
-    return shape, coefficients  # constants, and decays of |v|
+    return shape, coefficients  # constants, and what depends on |v|
 
 
 def _shifted(basis: Basis, shape: Array, coefficients: Array, by: float) -> tuple[Array, Array]:

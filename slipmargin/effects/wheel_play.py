@@ -27,6 +27,7 @@ class WheelPlay(WheelEffect):
     traced_to = Trace.ACTUATION
     part = Part.TRANSIENTS
     scope = Scope.MACHINE
+    one_wheel = True
     parameters = (
         parameter(
             "play_rad",

@@ -21,7 +21,7 @@ class WheelRadius(WheelEffect):
     part = Part.CONTACTS
     scope = Scope.MACHINE
     parameters = (parameter("radius_factor", "1", (0.5, 1.0, 2.0), 0.01, "true over stated radius"),)
-    one_wheel = True
+    all_wheels, one_wheel = False, True
     source = "eq. (2), the wheel’s peripheral speed; above 1 = larger wheel"
     confirm = (
         "measure the wheel with a caliper under load, or swap two wheels and see whether the error moves"

@@ -41,7 +41,7 @@ class WheelRunout(WheelEffect):
         ),
         parameter("sine", "1", (-0.3, 0.0, 0.3), 0.005, "the same a quarter of a turn later", starts=_SINE),
     )
-    one_wheel = True
+    all_wheels, one_wheel = False, True
     needs_wheel_phase = True
     needs_wheel_angles = True
     counts_in = "simulated motions and diagnose; limits and plans are those of round wheels"

@@ -24,7 +24,7 @@ class WheelToe(WheelEffect):
     parameters = (
         parameter("toe_rad", "rad", (-0.5, 0.0, 0.5), 0.01, "angle of the wheel from where it should point"),
     )
-    one_wheel = True
+    all_wheels, one_wheel = False, True
     source = "Fig. 3, direction of the wheels; positive counter-clockwise from above"
     confirm = "lay a straight edge along the wheel, or swap two wheels and see that the error stays"
 

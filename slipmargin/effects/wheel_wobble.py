@@ -42,7 +42,7 @@ class WheelWobble(WheelEffect):
             "sine_rad", "rad", (-0.5, 0.0, 0.5), 0.01, "the same a quarter of a turn later", starts=_SINE
         ),
     )
-    one_wheel = True
+    all_wheels, one_wheel = False, True
     needs_wheel_phase = True
     needs_wheel_angles = True
     counts_in = "simulated motions and diagnose; limits and plans are those of wheels that run true"

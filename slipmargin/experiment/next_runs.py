@@ -150,6 +150,7 @@ def proposed(
         misfit=left.misfit,
         noise=left.problem.sigma,
         front_rad=data_set.recipe.robot.convention.front_rad,
+        was_cut=left.was_cut,
     )
 
 

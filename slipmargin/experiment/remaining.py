@@ -60,6 +60,8 @@ class Remaining:
         Everything that the diagnosis tried.
     data_set : DataSet
         The runs as they were mended.
+    was_cut : bool
+        Whether time ended the search for explanations.
     """
 
     problem: Problem
@@ -68,6 +70,7 @@ class Remaining:
     verdict: Verdict
     candidates: tuple[Candidate, ...]
     data_set: DataSet
+    was_cut: bool = False
 
     @property
     def misfit(self) -> float:
@@ -103,6 +106,7 @@ def remaining(data_set: DataSet, repairs: tuple[Repair, ...] | None, seed: int, 
         verdict=checked.verdict,
         candidates=tuple(found.candidates),
         data_set=best.conditions.data_set,
+        was_cut=best.was_cut,
     )
 
 

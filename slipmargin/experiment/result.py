@@ -104,6 +104,8 @@ class NextRuns:
         Direction of the robot's front in the body frame.
     pulls : tuple of NextPull
         Where there are pulls alone, what to pull next.
+    was_cut : bool
+        Whether time ended the search for explanations.
     """
 
     data_set: str
@@ -123,6 +125,7 @@ class NextRuns:
     noise: Array
     front_rad: float
     pulls: tuple[NextPull, ...] = ()
+    was_cut: bool = False
 
     @property
     def weakest(self) -> Separation | None:

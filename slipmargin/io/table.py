@@ -140,6 +140,10 @@ def _quick(rows: list[str], columns: int) -> Array | None:
     return values if values.shape[1] == columns and np.all(np.isfinite(values)) else None
 
 
+#: What else separates columns, and its name.
+_OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
+
+
 def header_names(line: str) -> tuple[str, ...]:
     """The names in a header, without blanks and quotes."""
     return tuple(cell.strip().strip('"') for cell in line.split(","))
@@ -149,6 +153,10 @@ def _header(line: str, required: Sequence[str], known: Sequence[str] | None) -> 
     names = header_names(line)
     if not any(names):
         raise InputError("1:1", "there is no header", f"begin with {','.join(required) or 'column names'}")
+    for mark, called in _OTHER_MARKS.items():
+        if mark in line and len(names) == 1:
+            cure = "separate them by commas, and write numbers with points"
+            raise InputError("1:1", f"the columns are separated by {called}", cure)
     for place, name in enumerate(names, 1):
         if not name:
             raise InputError(f"1:{place}", "this column has no name", "name it or remove it")

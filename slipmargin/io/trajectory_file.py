@@ -93,7 +93,8 @@ def _from_text(text: str) -> Samples:
     if text.lstrip().startswith(("{", "[")):
         return samples_from_json(text)
     header = text.lstrip("\r\n").partition("\n")[0]
-    if text.strip() and not any(name in header for name in NEEDED):
+    table = any(mark in header for mark in ",;\t")  # a table without the columns says which it has
+    if text.strip() and not table and not any(name in header for name in NEEDED):
         raise unknown_form()
     others = tuple(name for name in header_names(header) if name not in NEEDED)
     columns = columns_from_text(text, required=NEEDED, known=None, empty=others, least=1)

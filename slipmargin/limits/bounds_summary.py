@@ -182,7 +182,7 @@ class Bounds:
 
         Up to half of the motors' top speed; what resists motion is taken up to 1 m/s.
         """
-        return max(0.0, min(self.weakest.lowest_m_s2, float(np.min(self.safe.starting_m_s2))))
+        return _recommended(self.weakest, self.safe)
 
     @property
     def recommended_cause(self) -> str:
@@ -310,6 +310,16 @@ def bounds(
         contact=contact,
     )
     return everywhere if finer is heading else replace(everywhere, **towards(heading), all_round=everywhere)
+
+
+def recommended(model: Model, *, share: float = 1.0, contact: Contact = Contact.ROLLERS) -> float:
+    """:attr:`Bounds.recommended_m_s2` alone [m/s²], at a ``share`` of the grip."""
+    safe = directions(model, headings(1.0), share=share, contact=contact, pace=PACE)
+    return _recommended(weakest_start(model, share=share, contact=contact), safe)
+
+
+def _recommended(weakest: WeakestStart, safe: Directions) -> float:
+    return max(0.0, min(weakest.lowest_m_s2, float(np.min(safe.starting_m_s2))))
 
 
 def _rigid_use(model: Model, heading: Array) -> Array:

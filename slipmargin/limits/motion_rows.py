@@ -156,10 +156,11 @@ def acceleration_rows(
         may = torque_N_m
         if may is None:
             may = np.reshape(share, (-1, 1)) * torque_limit(model, at_pace(model, motion.velocity, pace))
-        rows += list(torque.A)
-        bounds += list(may + torque.b)
-        causes += [2] * (2 * n)
-        wheels += [np.eye(n, dtype=bool)] * 2
+        known = np.isfinite(model.drives.stall_torques(n))
+        rows += list(torque.A[:, :, known])
+        bounds += list((may + torque.b)[:, :, known])
+        causes += [2] * (2 * int(known.sum()))
+        wheels += [np.eye(n, dtype=bool)[known]] * 2
     spent = np.any(friction.possible & (friction.drive <= 0.0), axis=0)
     return AccelerationRows(
         A=np.concatenate(rows, axis=1),
@@ -274,7 +275,8 @@ def torque_limit(model: Model, speed: Array) -> Array:
     if stall is None:
         return np.full((2, *speed.shape), np.inf)
     left = np.ones_like(speed) if top is None else np.clip(1.0 - np.abs(speed) / top, 0.0, 1.0)
-    return stall * np.stack([np.where(speed > 0.0, left, 1.0), np.where(speed < 0.0, left, 1.0)])
+    shares = np.stack([np.where(speed > 0.0, left, 1.0), np.where(speed < 0.0, left, 1.0)])
+    return np.asarray(np.multiply(stall, shares, out=np.zeros_like(shares), where=shares > 0.0))
 
 
 def torque_use(model: Model, torque_N_m: Array, speed: Array) -> Array:
@@ -286,7 +288,7 @@ def torque_use(model: Model, torque_N_m: Array, speed: Array) -> Array:
     forwards, backwards = torque_limit(model, speed)
     limit = np.where(torque_N_m >= 0.0, forwards, backwards)
     asked = np.abs(torque_N_m)
-    some = asked > NO_TORQUE * (model.drives.stall_torque_N_m or np.inf)
+    some = asked > NO_TORQUE * model.drives.stall_torques(model.count)
     share = np.where(some, np.inf, 0.0)
     np.divide(asked, limit, out=share, where=some & (limit > 0.0))
     return share

@@ -105,23 +105,35 @@ class ExternalWrench:
 
 
 @final
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Drives:
     """Motor limits and the inertia of a wheel with its rotor, at the wheel; ``None`` where not known.
 
-    A commanded wheel's torque keeps to ± stall (1 ∓ ω/max_speed).  Where no ``wheel_inertia_kg_m2`` is
-    given, a simulation takes :data:`LIGHT_WHEEL` of m ρ²/N, a robot's mass as each of its wheels feels it:
-    so little that the motion does not depend on it, and enough to keep the equations solvable.
+    A commanded wheel's torque keeps to ± stall (1 ∓ ω/max_speed).  ``stall_torque_N_m`` is that of every
+    wheel, or (N,) where they differ, infinite for a wheel of which it is not known.  Where no
+    ``wheel_inertia_kg_m2`` is given, a simulation takes :data:`LIGHT_WHEEL` of m ρ²/N, a robot's mass as each
+    of its wheels feels it: so little that the motion does not depend on it, and enough to keep the equations
+    solvable.
     """
 
     max_speed_rad_s: float | None = None
-    stall_torque_N_m: float | None = None
+    stall_torque_N_m: float | Array | None = None
     wheel_inertia_kg_m2: float | None = None
 
     def __post_init__(self) -> None:
         inertia = self.wheel_inertia_kg_m2
         if inertia is not None and not 0.0 < inertia < np.inf:
             raise InputError("wheel_inertia_kg_m2", f"is {inertia:g}", "give a positive inertia [kg m²]")
+
+    def stall_torques(self, count: int) -> Array:
+        """(N,) torque of each wheel's motor at standstill [N m]; infinite where it is not known."""
+        stall = np.inf if self.stall_torque_N_m is None else self.stall_torque_N_m
+        return np.broadcast_to(np.asarray(stall, dtype=float), (count,))
+
+    @property
+    def weakest_N_m(self) -> float | None:
+        """Torque of the weakest motor at standstill [N m]; None where none is known."""
+        return None if self.stall_torque_N_m is None else float(np.min(self.stall_torque_N_m))
 
     def wheel_inertias(self, mass_kg: float, radius_m: Array) -> Array:
         """(N,) inertia of each wheel [kg m²], stated or light."""

@@ -90,6 +90,8 @@ class LimitTable:
         Wrench per body twist of the viscous lateral friction.
     spin : (N, 3)
         Torque that wheels and rotors take per rate of the body twist.
+    stall_torque_N_m : float, optional
+        At the wheel, of the weakest motor.
     """
 
     robot: str
@@ -274,7 +276,7 @@ def limit_table(model: Model, margin: float) -> LimitTable:
         torque_force=-on_grip,
         torque_drag=on_free,
         spin=(drives.wheel_inertia_kg_m2 or 0.0) * rolling,
-        stall_torque_N_m=drives.stall_torque_N_m,
+        stall_torque_N_m=drives.weakest_N_m,
         top_speed_rad_s=drives.max_speed_rad_s,
     )
 

@@ -151,8 +151,9 @@ def rows_along(
         wheels.append(np.eye(model.count, dtype=bool))
     if model.drives.stall_torque_N_m is not None:
         blocks.append(_motor(model, geometry, assumed, torque_share, guess))
-        names += ["motor torque"] * (2 * model.count)
-        wheels.append(np.tile(np.eye(model.count, dtype=bool), (2, 1)))
+        known = np.isfinite(model.drives.stall_torques(model.count))
+        names += ["motor torque"] * (2 * int(known.sum()))
+        wheels.append(np.tile(np.eye(model.count, dtype=bool)[known], (2, 1)))
     stacked = [
         np.stack([np.concatenate([blk[part][e] for blk in blocks], axis=1) for e in (0, 1)])
         for part in range(3)
@@ -170,8 +171,8 @@ def rows_along(
 def _motor(
     model: Model, geometry: Geometry, assumed: Assumed, torque_share: Array, guess: Array
 ) -> tuple[list[Array], list[Array], list[Array]]:
-    stall, top = model.drives.stall_torque_N_m, model.drives.max_speed_rad_s
-    assert stall is not None
+    stall, top = model.drives.stall_torques(model.count), model.drives.max_speed_rad_s
+    known = np.isfinite(stall)
     standing = np.zeros((geometry.twist.shape[0], 3))  # what grows with ṡ² is added
     torque = torque_rows(model, assumed.friction, assumed.external, standing)
     gained = spin_at_constant(model, geometry.twist)  # per ṡ² (n, F, N)
@@ -183,14 +184,11 @@ def _motor(
             rate = np.maximum(sign * spin[:, e], 0.0)
             slope = np.zeros_like(rate) if top is None else rate / top
             root = np.sqrt(np.maximum(guess[node], SLOWEST_TOUCHED))[:, None]
-            limit = stall * torque_share[:, None]
-            left.append(np.einsum("nic,nc->ni", torque.A[k], geometry.push[:, e]))
-            right.append(
-                np.einsum("nic,nc->ni", torque.A[k], geometry.bend[:, e])
-                + sign * gained[:, e]
-                + limit * slope / (2.0 * root)
-            )
-            bound.append(torque.b[k] + limit * (1.0 - 0.5 * slope * root))
+            limit = stall[known] * torque_share[:, None]
+            steep, turning = slope[:, known], np.einsum("nic,nc->ni", torque.A[k], geometry.bend[:, e])
+            left.append(np.einsum("nic,nc->ni", torque.A[k], geometry.push[:, e])[:, known])
+            right.append((turning + sign * gained[:, e])[:, known] + limit * steep / (2.0 * root))
+            bound.append(torque.b[k][:, known] + limit * (1.0 - 0.5 * steep * root))
         a.append(np.concatenate(left, axis=1))
         b.append(np.concatenate(right, axis=1))
         c.append(np.concatenate(bound, axis=1))

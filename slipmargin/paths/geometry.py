@@ -15,6 +15,22 @@ from slipmargin.paths.path import Path
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.kinematics import com_acceleration
 
+#: A robot whose origin moves less than this per s turns on the spot [1].
+_ON_THE_SPOT = 1e-6
+
+
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Profile:
+    """(n + 1,) at the grid points: way [m], speed [m/s] and the highest from which the rest can be driven.
+
+    Turning counts as the way of the wheels.
+    """
+
+    way_m: Array
+    speed_m_s: Array
+    highest_m_s: Array
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,6 +64,19 @@ class Geometry:
         return Geometry(
             s=s, fractions=fractions, pose=pose, first=first, second=second, twist=twist, push=push, bend=bend
         )
+
+    def floor_rates(self) -> Array:
+        """(2,) way over the floor per s at the path's start and end; 1 where the robot turns on the spot."""
+        rates = np.hypot(*self.first[[0, -1], [0, -1], :2].T)
+        return np.where(rates > _ON_THE_SPOT, rates, 1.0)
+
+    def profile(self, reach_m: float, x: Array, highest: Array) -> Profile:
+        """What ṡ² (n + 1,) are as speeds, for fractions 0, ½ and 1; wheels stand ``reach_m`` away."""
+        rates = np.sqrt(np.sum(self.first[..., :2] ** 2, axis=2) + (reach_m * self.first[..., 2]) ** 2)
+        steps = (self.s[:, -1] - self.s[:, 0]) * (rates @ np.array([1.0, 4.0, 1.0])) / 6.0
+        each = np.append(rates[:, 0], rates[-1, -1])
+        speed, most = (each * np.sqrt(np.maximum(squared, 0.0)) for squared in (x, highest))
+        return Profile(way_m=np.append(0.0, np.cumsum(steps)), speed_m_s=speed, highest_m_s=most)
 
     def squared_speed(self, x: Array) -> Array:
         """ṡ² (n, F) inside every interval: linear between the grid points."""

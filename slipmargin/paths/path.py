@@ -14,6 +14,8 @@ from slipmargin.paths.pieces import Jet, Piece, Quadratic, Spline, distance
 
 #: Largest angle between the tangents of two pieces that still counts as smooth [rad].
 SMOOTH_RAD = 1e-6
+#: No robot drives so far [m] or turns so often [rad].
+FARTHEST = 1e6
 #: Corners sharper than this cannot be rounded by a spline [rad].
 SHARP_RAD = np.deg2rad(150.0)
 
@@ -176,6 +178,8 @@ def checked(waypoints: Array, arm: float, source: str) -> Array:
     for k, row in enumerate(points, 1):
         if not np.all(np.isfinite(row)):
             raise InputError(f"{source} {k}", f"is {tuple(row.tolist())}", "give finite numbers")
+        if np.max(np.abs(row)) > FARTHEST:
+            raise InputError(f"{source} {k}", f"is {tuple(row.tolist())}", "give metres and radians")
     if len(points) < 2:
         raise InputError(source, f"{len(points)} waypoint is no path", "give at least two waypoints")
     gap = distance(points[:-1], points[1:], arm)

@@ -16,7 +16,7 @@ from slipmargin.model import Model
 from slipmargin.paths import core
 from slipmargin.paths.along import FASTER, SLOWER, Assumed, Rows, assume, rows_along
 from slipmargin.paths.audit import FINER, Audit, audit
-from slipmargin.paths.geometry import Geometry
+from slipmargin.paths.geometry import Geometry, Profile
 from slipmargin.paths.grid import Grid, grid_of
 from slipmargin.paths.infeasibility import stuck, too_fast
 from slipmargin.paths.passes import held, passes
@@ -82,8 +82,15 @@ class Plan:
 
     def states(self) -> Motion:
         """The motion at both ends and in the middle of every interval."""
-        geometry = Geometry.of(self.model, self.path, self.grid, np.array([0.0, 0.5, 1.0]))
+        geometry = self._geometry()
         return geometry.motion(self.x, self.u, geometry.times(self.x, self.u))
+
+    def profile(self) -> Profile:
+        """Way and speed at the grid points, turning counted as the way of the wheels."""
+        return self._geometry().profile(self.model.reach_m, self.x, self.highest)
+
+    def _geometry(self) -> Geometry:
+        return Geometry.of(self.model, self.path, self.grid, np.array([0.0, 0.5, 1.0]))
 
 
 def duration(step: Array, x: Array) -> float:
@@ -138,6 +145,8 @@ class _Work:
     ) -> None:
         self.model, self.request, self.grid, self.coarse, self.fine = model, request, grid, coarse, fine
         self.below = below  # a bound on ṡ, and the speed of the first guess; None where none is needed
+        rates = coarse.floor_rates()
+        self.ends = (float(request.start_m_s / rates[0]) ** 2, float(request.end_m_s / rates[1]) ** 2)  # ṡ²
         n = len(grid.step)
         self.grip, self.torque, self.speed, self.load = np.ones((4, n))
         self.times = np.zeros((4, n), dtype=np.int64)  # that each interval was lowered, in order of `limited`
@@ -169,7 +178,7 @@ class _Work:
                     passes=self.passes,
                     below_m_s=self.below,
                 )
-            self.drive(self.request.start_m_s**2, self.request.end_m_s**2)
+            self.drive(*self.ends)
         raise self.not_settled()
 
     def slower(self) -> Iterator[_Work]:
@@ -181,7 +190,7 @@ class _Work:
         fastest = min(float(np.sqrt(np.max(self.x))) or _UNKNOWN_M_S, self.request.caps.speed_m_s)
         for part in _BELOW:
             below = part * fastest
-            if below > max(self.request.start_m_s, self.request.end_m_s):
+            if below**2 > max(self.ends):
                 yield _Work(self.model, self.request, self.grid, self.coarse, self.fine, below)
 
     def states(self) -> list[Motion]:
@@ -194,7 +203,7 @@ class _Work:
 
     def settle(self) -> None:
         """Passes with fixed shares until neither drag nor torque–speed line moves the profile any more."""
-        start, end = self.request.start_m_s**2, self.request.end_m_s**2
+        start, end = self.ends
         if max(start, end) > 0.0 and self.model.drives.stall_torque_N_m is not None:
             # The torque–speed line is touched where a profile from rest to rest is, and at the ends' speeds.
             with contextlib.suppress(NoSolution):
@@ -210,7 +219,7 @@ class _Work:
 
     def _fastest_end(self, start: float) -> float:
         """Largest ṡ² at the end that can be reached from ``start``, below the one asked for."""
-        low, high, assumed = 0.0, self.request.end_m_s, self.assumed()
+        low, high, assumed = 0.0, float(np.sqrt(self.ends[1])), self.assumed()
         for _ in range(HALVINGS):
             speed = 0.5 * (low + high)
             end = speed**2
@@ -269,7 +278,7 @@ class _Work:
         drives, highest = self.model.drives, self.highest
         if drives.stall_torque_N_m is None or drives.max_speed_rad_s is None:
             return highest
-        assumed, end = self.assumed(), self.request.end_m_s**2
+        assumed, end = self.assumed(), self.ends[1]
         for _ in range(MOST_SETTLING):
             found = passes(self.grid, self.along(assumed, highest), 0.0, end)
             if found.status != core.OK or np.all(found.highest <= highest * (1.0 + SETTLED)):

@@ -17,7 +17,8 @@ class Request:
     """What a plan has to obey.
 
     ``share`` λ = 1 − margin of every wheel's grip, of every motor's torque and of what lifts a wheel;
-    ``start_m_s`` and ``end_m_s`` are ṡ at the ends;
+    ``start_m_s`` and ``end_m_s`` are speeds over the floor at the ends, those of the wheels where the robot
+    turns on the spot there;
     ``contact`` what the wheels stand on (UNKNOWN: robust).
     """
 

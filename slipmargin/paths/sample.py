@@ -18,6 +18,10 @@ from slipmargin.work import TABLE_NUMBERS, allow
 COLUMNS, COLUMNS_OF_WHEEL = 10, 2
 
 
+#: A path so many times as long as the wheels stand from the robot's middle is hardly one in metres [1].
+_LONG = 1000.0
+
+
 def node_times(plan: Plan) -> Array:
     """Times (n + 1,) [s] at the grid points."""
     root = np.sqrt(np.maximum(plan.x, 0.0))
@@ -36,6 +40,8 @@ def trajectory(plan: Plan, *, step_s: float = 0.005) -> Trajectory:
     end = plan.duration_s
     numbers = end / step_s * (COLUMNS + COLUMNS_OF_WHEEL * plan.model.count)
     cure = "take a longer step, a faster path or a smaller margin"
+    if plan.path.length > _LONG * plan.model.reach_m:
+        cure += f"; the path is {plan.path.length:.4g} m long: are its waypoints in metres?"
     allow("step_s", numbers, TABLE_NUMBERS, "numbers of a table", cure)
     count = int(np.ceil(end / step_s - 1e-9)) + 1
     if count < LEAST_SAMPLES:

@@ -148,7 +148,7 @@ def where_figure(diagnosis: Diagnosis) -> Figure:
     axes.invert_yaxis()
     axes.grid(False, axis="y")
     axes.set(
-        xlabel="share of the residual that the variable explains [%]",
+        xlabel="share of the residual's rate of change that the variable explains [%]",
         title="What the residual follows, before any fit",
         xlim=(0.0, max(5.0, 108.0 * max(best.values(), default=0.0))),
     )
@@ -226,6 +226,10 @@ def shortened(text: str, longest: int) -> str:
     return " ".join([*head, "…", *tail])
 
 
+#: So many numbers at least stand along a logarithmic axis.
+_TICKS = 4
+
+
 def _scale(values: list[float], axes: Axes, before: float) -> None:
     """Logarithmic where candidates differ by factors; never so fine that hundredths of chi look large."""
     low, high = min(values), max(values)
@@ -233,9 +237,11 @@ def _scale(values: list[float], axes: Axes, before: float) -> None:
         axes.set_xlim(0.9 * before, 1.1 * before)
     elif high > 4.0 * low:
         axes.set_xscale("log")
-        steps = (1, 3) if high > 20.0 * low else (1, 2, 5)
-        ticks = [float(f"{k}e{d}") for d in range(-1, 5) for k in steps]
-        ticks = [v for v in ticks if 0.9 * low <= v <= 1.1 * high]
+        ticks: list[float] = []
+        for steps in ((1, 3), (1, 2, 5), (1, 1.5, 2, 3, 4, 5, 7)):
+            if len(ticks) < _TICKS:
+                every = [float(f"{k}e{d}") for d in range(-1, 5) for k in steps]
+                ticks = [v for v in every if 0.9 * low <= v <= 1.1 * high]
         axes.set_xticks(ticks, [f"{v:g}" for v in ticks])
         axes.minorticks_off()
 

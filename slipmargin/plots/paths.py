@@ -147,8 +147,9 @@ def _path(
 
 
 def _profile(axes: Axes, plan: Plan) -> None:
-    s, speed = plan.grid.s, np.sqrt(np.maximum(plan.x, 0.0))
-    highest = np.sqrt(np.minimum(np.maximum(plan.highest, 0.0), 1e4))
+    along = plan.profile()
+    s, speed = along.way_m, along.speed_m_s
+    highest = np.minimum(along.highest_m_s, 100.0)
     top = 1.25 * float(np.max(speed))
     axes.fill_between(s, np.minimum(highest, top), top, color=PALE, lw=0)
     axes.plot(
@@ -160,8 +161,8 @@ def _profile(axes: Axes, plan: Plan) -> None:
     )
     axes.plot(s, speed, color=BLUE, label="planned")
     axes.set(
-        xlabel="s: way, turning counted at the wheels [m]",
-        ylabel="ṡ: speed, turning counted [m/s]",
+        xlabel="way, turning counted at the wheels [m]",
+        ylabel="speed, turning counted [m/s]",
         ylim=(0.0, top),
         xlim=(s[0], s[-1]),
         title="Speed under its limit",

@@ -219,7 +219,7 @@ def _speeds(b: Bounds) -> list[str]:
     ]
     if not each:
         return []
-    motors = f" of the motors' {'torque' if b.model.drives.stall_torque_N_m else 'top speed'}"
+    motors = f" of the motors' {'top speed' if b.model.drives.weakest_N_m is None else 'torque'}"
     reserve = f" with {b.margin:.3g}{motors} in reserve" if math.isfinite(ahead) else ""
     return [
         f"speeds      up to {', '.join(each)}, each alone: box, circle and exports are available there"

@@ -176,7 +176,7 @@ def _loads(study: Study) -> str:
 
 def _influence(i: Influence) -> str:
     if i.peak:
-        return f"{i.key} is at a {'peak' if i.below < i.here else 'low'}"
+        return f"{'less' if i.below < i.here else 'more'} with any other {i.key}"
     if i.value:
         return f"1 % more {i.key}: {100.0 * i.slope * 0.01 * abs(i.value) / abs(i.here):+.2g} %"
     return f"{i.step:g} {i.unit} more {i.key}: {100.0 * i.slope * i.step / abs(i.here):+.2g} %"

@@ -121,10 +121,12 @@ def _by_objective(study: Study) -> Table:
 
 
 def _influence_table(influences: Sequence[Influence], meaning: str) -> Table:
-    rows = tuple(
-        (label(i.key), _number(i.value), i.unit, *(("–", "turns here") if i.peak else (_number(i.slope), "")))
-        for i in influences
-    )
+    def told(i: Influence) -> tuple[str, str]:
+        if i.peak:
+            return "–", f"{'less' if i.below < i.here else 'more'} with any other"
+        return _number(i.slope), ""
+
+    rows = tuple((label(i.key), _number(i.value), i.unit, *told(i)) for i in influences)
     return Table(
         caption=f"What changes {meaning}, at the best design",
         head=("quantity", "value", "unit", "change per unit", ""),

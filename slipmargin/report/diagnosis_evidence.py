@@ -157,10 +157,11 @@ def parameters(d: Diagnosis) -> tuple[Block, ...]:
     """What each effect is, its equation and its numbers."""
     blocks: list[Block] = []
     for f in d.findings:
-        few = 0 < len(f.wheels) < len(d.recipe.robot.wheels)
-        wheels = f" On wheel{'s' if len(f.wheels) > 1 else ''} {', '.join(f.wheels)}." if few else ""
         blocks.append(
-            Text(text=f"`{f.name}`: {words.meaning(f)} It depends on {words.VARIABLES[f.traced_to]}.{wheels}")
+            Text(
+                text=f"`{f.name}`{words.on_wheels(f, d)}: {words.meaning(f)} It depends on "
+                f"{words.VARIABLES[f.traced_to]}."
+            )
         )
         if f.equation:
             blocks.append(Code(text=f.equation.replace("``", "")))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 import shlex
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -45,10 +47,11 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
     d = diagnosis
     if d.verdict is Verdict.NO_MISSING_EFFECT:
         runs = "the one run" if d.one_run else "runs it has not seen"
+        follows = [lead.traced_to for lead in d.leads[:1] if lead.follows]
         return (
             f"No missing effect: the model predicts {runs} as well as the noise and the log "
             f"allow (chi {d.after.chi:.3g}; 1 is pure noise)."
-            + (f" The little that is left follows {VARIABLES[d.leads[0].traced_to]}." if d.leads else "")
+            + (f" The little that is left follows {VARIABLES[follows[0]]}." if follows else "")
         )
     if d.verdict is Verdict.UNEXPLAINED:
         misses = f"chi {d.before.chi:.3g} on {judged_on(d)}; 1 is pure noise"
@@ -66,7 +69,7 @@ def verdict_sentence(diagnosis: Diagnosis) -> str:
             else "but no correction holds on runs that it has not seen"
         )
         return f"Unexplained: the model misses something ({misses}), {no_proof}. {_first_lead(d)}"
-    names = listed([_named(f) for f in d.findings])
+    names = listed([_named(f, d) for f in d.findings])
     falls = (
         f"the error on held-out runs falls from {error(d.before)} to {error(d.after)}"
         if d.after.chi < d.before.chi
@@ -109,27 +112,42 @@ def next_run_command(diagnosis: Diagnosis) -> str:
 _FEW = 4
 
 
-def _named(finding: Finding) -> str:
-    names = list(dict.fromkeys([finding.name, *(_short(label) for label in finding.confused_with)]))
+def on_wheels(finding: Finding, diagnosis: Diagnosis) -> str:
+    """`` of wheel 2`` where not all wheels have it, else nothing."""
+    few = 0 < len(finding.wheels) < len(diagnosis.recipe.robot.wheels)
+    return f" of wheel{'s' if len(finding.wheels) > 1 else ''} {listed(finding.wheels)}" if few else ""
+
+
+def called(finding: Finding, diagnosis: Diagnosis) -> str:
+    """A finding's name with its wheel, or with what its general form is free in."""
+    form = finding.label.startswith(f"{finding.name}:")
+    return finding.label if form else finding.name + on_wheels(finding, diagnosis)
+
+
+def _named(finding: Finding, diagnosis: Diagnosis) -> str:
+    own = called(finding, diagnosis)
+    names = list(dict.fromkeys([own, *(_short(label) for label in finding.confused_with)]))
     if len(names) > _FEW:
         few, more = " or ".join(names[: _FEW - 1]), len(names) - _FEW + 1
         return f"{few} or one of {more} others (these runs cannot tell them apart)"
     if len(names) > 1:
         return f"{' or '.join(names)} (these runs cannot tell them apart)"
-    return f"{finding.name} (depends on {VARIABLES[finding.traced_to]})"
+    return f"{own} (depends on {VARIABLES[finding.traced_to]})"
 
 
 def _short(label: str) -> str:
-    """A candidate's label without the form of a general one."""
-    return label.split(":", 1)[0]
+    """A candidate's label without the form of a general one, and with its wheel in words."""
+    return re.sub(r"\[(.*?)\]", r" of wheel \1", label.split(":", 1)[0])
 
 
 def _first_lead(d: Diagnosis) -> str:
     if not d.leads:
         return "The residual follows no measured variable significantly."
     first = d.leads[0]
-    if first.source in (LeadSource.MAP, LeadSource.ORDER):
+    if first.follows:
         return f"The residual follows {VARIABLES[first.traced_to]}: look there first."
+    if first.source is LeadSource.MAP:
+        return f"No measured variable stands out; {VARIABLES[first.traced_to]} comes nearest."
     return f"First to look at, without proof: {VARIABLES[first.traced_to]}."
 
 
@@ -191,7 +209,7 @@ def _unit(unit: str) -> str:
     return "" if unit in ("", "1") else f" {unit}"
 
 
-def listed(parts: list[str]) -> str:
+def listed(parts: Sequence[str]) -> str:
     """Parts in one phrase: "a, b and c"."""
     return parts[0] if len(parts) == 1 else ", ".join(parts[:-1]) + " and " + parts[-1]
 
@@ -280,7 +298,7 @@ def summary_lines(d: Diagnosis, change: LimitsChange) -> list[str]:
         values = ", ".join(interval(e) for e in f.parameters[:4])
         more = f", and {len(f.parameters) - 4} more" if len(f.parameters) > 4 else ""
         lines.append(
-            f"found    {f.name} (traced to {f.traced_to.value}; {search_words(f)} among "
+            f"found    {called(f, d)} (traced to {f.traced_to.value}; {search_words(f)} among "
             f"{f.candidates_tried} candidates): {values}{more}"
         )
         lines += [

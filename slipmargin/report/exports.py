@@ -185,7 +185,7 @@ def choreo(found: SafeSets) -> str:
     faster for than that.
     """
     model, sets = found.model, _sets(found)
-    radius, stall = float(np.mean(model.geometry.radius_m)), model.drives.stall_torque_N_m
+    radius, stall = float(np.mean(model.geometry.radius_m)), model.drives.weakest_N_m
     any_way = _speeds(found)[2]
     vmax = None if any_way is None else any_way / radius
     tmax = None
@@ -212,7 +212,8 @@ def _swerve(found: SafeSets) -> str:
     """What the friction coefficient of a tool for swerve drives stands for."""
     return (
         f"friction: with {_sets(found).coefficient:.4g}, all that modules in the wheels' places do is safe "
-        "for this robot, turning included"
+        "for this robot, turning included; vmax: what the robot drives in every direction, over the radius "
+        "(angled rollers make wheels turn faster than that)"
     )
 
 

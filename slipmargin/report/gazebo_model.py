@@ -46,7 +46,7 @@ def sdf_text(robot: SimRobot) -> str:
         limits = {
             "lower": -1e16,
             "upper": 1e16,
-            "effort": robot.stall_torque_N_m,
+            "effort": wheel.stall_torque_N_m,
             "velocity": robot.max_speed_rad_s,
         }
         place = SubElement(axis, "limit")
@@ -77,7 +77,7 @@ def urdf_text(robot: SimRobot) -> str:
         SubElement(joint, "child", link=name)
         SubElement(joint, "origin", xyz=numbers(*wheel.place_m))
         SubElement(joint, "axis", xyz=numbers(*wheel.axle, 0))
-        torque, top = robot.stall_torque_N_m, robot.max_speed_rad_s
+        torque, top = wheel.stall_torque_N_m, robot.max_speed_rad_s
         if torque is not None or top is not None:  # a limit has both
             SubElement(joint, "limit", effort=number(torque or _NO_LIMIT), velocity=number(top or _NO_LIMIT))
         gazebo = SubElement(root, "gazebo", reference=name)

@@ -218,7 +218,11 @@ def simulate_page(
             value=f"{slip[when, wheel]:.3g} m/s",
             note=f"{who.rpartition(' ')[0]} at {run.t_s[when]:.2f} s",
         ),
-        Fact(label="Energy lost to sliding", value=f"{-work_J:.3g} J"),
+        Fact(
+            label="Energy lost at the wheels",
+            value=f"{-work_J:.3g} J",
+            note="drag of the rollers across their wheels, and sliding",
+        ),
     ]
     if goal is not None:
         miss = run.pose[-1] - goal

@@ -44,7 +44,7 @@ def stop_page(
     way = [towards(float(a)) for a in model.convention.from_front(heading_rad)]
     speed, simulated = speed_m_s[-1], bool(np.all(np.isfinite(use)))
     lead = (
-        f"{model.robot} on {model.surface} stops from {speed:.3g} m/s within {last[worst]:.3g} m in every "
+        f"{model.robot} on {model.surface} stops from {speed:.3g} m/s within {longest:.3g} m in every "
         f"direction, with {100.0 * margin:g} % of the grip in reserve."
     )
     if ended:

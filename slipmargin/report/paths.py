@@ -161,7 +161,7 @@ def check_lines(model: Model, c: Check) -> list[str]:
         _verdict(names, c),
         f"worst       wheel {names[k]} at t = {t:.3f} s (x {x:.4g} m, y {y:.4g} m)",
     ]
-    if math.isfinite(model.drives.stall_torque_N_m or math.inf):
+    if model.drives.weakest_N_m is not None:
         most = float(np.max(c.torque))
         if math.isinf(most):
             lines.append(f"motors      have no torque left at their top speed: {_at(names, c, c.torque)}")

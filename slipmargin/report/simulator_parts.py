@@ -41,6 +41,7 @@ class SimWheel:
     slip2: float
     load_N: float  #: at rest
     mass_kg: float
+    stall_torque_N_m: float | None
 
     @property
     def axle(self) -> tuple[float, float]:
@@ -60,7 +61,6 @@ class SimRobot:
     com_m: tuple[float, float, float]  #: of the chassis
     yaw_inertia_kg_m2: float  #: of the chassis about its own centre of mass
     max_speed_rad_s: float | None
-    stall_torque_N_m: float | None
     left_out: tuple[str, ...]
 
 
@@ -74,7 +74,7 @@ def sim_robot(recipe: Recipe, surface: str) -> SimRobot:
     g, body = model.geometry, model.inertia
     each = LIGHT * body.mass_kg / model.count
     slope = float(law_slope(model.grip.law, np.zeros(1))[0]) * model.grip.k_s_per_m
-    wheels = []
+    wheels, stall = [], model.drives.stall_torques(model.count)
     for i, wheel in enumerate(turned.robot.wheels):
         mu, mu2 = (float(v) for v in model.grip.roller[i])
         load = float(model.loads.rest_N[i])
@@ -94,6 +94,7 @@ def sim_robot(recipe: Recipe, surface: str) -> SimRobot:
                 slip2=_compliance(mu2 * load * slope),
                 load_N=load,
                 mass_kg=each,
+                stall_torque_N_m=float(stall[i]) if math.isfinite(stall[i]) else None,
             )
         )
     chassis, com, inertia = _chassis(model, wheels, each)
@@ -105,7 +106,6 @@ def sim_robot(recipe: Recipe, surface: str) -> SimRobot:
         com_m=com,
         yaw_inertia_kg_m2=inertia,
         max_speed_rad_s=model.drives.max_speed_rad_s,
-        stall_torque_N_m=model.drives.stall_torque_N_m,
         left_out=tuple(_left_out(model)),
     )
 

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.robot.robot import Robot, radians_cure, roller_levers
@@ -28,6 +29,12 @@ _STICKY = 1.5
 _SIDEWAYS = 0.1
 #: A roller whose grip line passes nearer to the centre than this share of its mirror image's [1].
 _SHORT_LEVER = 0.9
+#: Above this speed of a wheel's rim a top speed was in turns per minute [m/s].
+_FAST_M_S = 8.0
+#: Below this fastest speed a motion's times were in milliseconds [m/s]: no robot is driven so slowly.
+_SLOW_M_S = 0.01
+#: Above this push over weight a torque was in other units: the strongest robots' motors push 5 times it [1].
+_STRONG = 10.0
 #: What asks for so many times the grip is a mistake of units or of time stamps [1].
 ABSURD_USE = 1e4
 #: A pull with more than this is no robot's: the weight of 100 000 t [N].
@@ -87,7 +94,25 @@ def unlikely(robot: Robot) -> list[str]:
         *_sizes(robot),
         *_mass(robot),
         *_sticky(robot),
+        *_motor(robot),
     ]
+
+
+def unlikely_motion(velocity: Array, reach_m: float) -> tuple[str, ...]:
+    """Sentences for the units of a motion at (T, 3) velocities; wheels stand ``reach_m`` from the middle."""
+    turning = reach_m * float(np.max(np.abs(velocity[:, 2]), initial=0.0))
+    fastest = max(float(np.max(np.hypot(velocity[:, 0], velocity[:, 1]), initial=0.0)), turning)
+    if turning > _FAST_M_S:
+        rate = turning / reach_m
+        return (
+            f"phi_rad: turns at up to {rate:.3g} rad/s; if it is in degrees, write radians: times 0.01745",
+        )
+    if 0.0 < fastest < _SLOW_M_S:
+        return (
+            f"t_s: nothing moves faster than {1e3 * fastest:.3g} mm/s; if the times are in milliseconds, "
+            "write seconds: times 0.001",
+        )
+    return ()
 
 
 def _sideways(robot: Robot) -> list[str]:
@@ -166,6 +191,27 @@ def _sticky(robot: Robot) -> list[str]:
         for name, value in (("drive", pair.drive), ("transverse", pair.transverse))
         if value > _STICKY
     ]
+
+
+def _motor(robot: Robot) -> list[str]:
+    if robot.motor is None:
+        return []
+    speed, stall, _ = robot.motor.at_the_wheel()
+    torque = 0.0 if stall is None else stall
+    rim = speed * max(w.radius_m for w in robot.wheels)
+    said = []
+    if rim > _FAST_M_S:
+        said.append(
+            f"motor.max_speed_rad_s: {speed:.4g} rad/s moves a wheel's rim at {rim:.3g} m/s; if it is in "
+            f"turns per minute, write {speed * math.pi / 30.0:.4g}"
+        )
+    push = sum(torque / w.radius_m for w in robot.wheels) / (robot.body.mass_kg * GRAVITY_M_S2)
+    if push > _STRONG:
+        said.append(
+            f"motor.stall_torque_N_m: {torque:.4g} N m at each wheel push {push:.3g} times the robot's "
+            "weight; give N m: kg cm times 0.0981, oz in times 0.00706"
+        )
+    return said
 
 
 def _spread_of_mass(robot: Robot) -> str:

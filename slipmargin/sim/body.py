@@ -156,7 +156,7 @@ def wheel_rate(P: Any, w: Any, c: Any, asked: float, rising: float) -> float:
     if w[_LAG] == 0.0:
         rate += rising
     c[BY_TORQUE], c[BY_SPEED] = -droop / lag, -1.0 / lag
-    stall = P[_STALL]
+    stall = w[_STALL]
     if stall > 0.0:
         inertia, slowing = w[_WHEEL_INERTIA], stall * P[_SLOWING]
         wanted = torque + inertia * rate + slowing * omega

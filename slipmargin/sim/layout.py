@@ -35,19 +35,18 @@ DRIVEN = 23  #: 1 where commanded wheel speeds are states (droop, torque–speed
 COMMANDS = 24  #: how many modulations of the commanded speed
 COMMANDS_AT = 25
 SLOWING = 26  #: 1 / no-load speed of the motor [s/rad], 0 where unknown
-STALL_TORQUE = 27  #: [N m], 0 where unknown
-LAGGED = 28  #: 1 where a command is not followed at once (lag, gain, delay, ramp, modulations)
-LAW = 29  #: the friction law's number (physics/friction_laws.py)
-LIFTED = 30  #: Σ of the loads at rest [N]
-EDGES = 31  #: how many instants at which a term over time jumps or kinks
-EDGES_AT = 32
-PLAYS = 33  #: 1 where a wheel has play
-RELIEFS = 34  #: how many ramps and ridges the floor has
-RELIEFS_AT = 35
-BY_HUB = 36  #: 1 where friction depends on the hub's velocity in a way whose derivative is analytic
-BY_MOTION = 37  #: 1 where a force on the body depends on its velocity
-RAMP = 38  #: time that a drive's command takes for a change of a radian per second [s²/rad], 0 without
-HEAD = 39
+LAGGED = 27  #: 1 where a command is not followed at once (lag, gain, delay, ramp, modulations)
+LAW = 28  #: the friction law's number (physics/friction_laws.py)
+LIFTED = 29  #: Σ of the loads at rest [N]
+EDGES = 30  #: how many instants at which a term over time jumps or kinks
+EDGES_AT = 31
+PLAYS = 32  #: 1 where a wheel has play
+RELIEFS = 33  #: how many ramps and ridges the floor has
+RELIEFS_AT = 34
+BY_HUB = 35  #: 1 where friction depends on the hub's velocity in a way whose derivative is analytic
+BY_MOTION = 36  #: 1 where a force on the body depends on its velocity
+RAMP = 37  #: time that a drive's command takes for a change of a radian per second [s²/rad], 0 without
+HEAD = 38
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.
@@ -89,7 +88,8 @@ MEAN_GRIP_X = 34  #: ĝ of a wheel that does not wobble
 MEAN_GRIP_Y = 35
 MEAN_FREE_X = 36
 MEAN_FREE_Y = 37
-WHEEL = 38
+STALL_TORQUE = 38  #: of its motor [N m], 0 where unknown
+WHEEL = 39
 
 # --- a term -----------------------------------------------------------------------------------
 #: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.

@@ -41,7 +41,9 @@ _HUB = frozenset({Variable.HUB_SPEED, Variable.PASSING_SPEED})
 #: Variables of the body's velocity; forces over them have analytic derivatives.
 _MOTION = frozenset({Variable.VELOCITY_X, Variable.VELOCITY_Y, Variable.YAW_RATE, Variable.SPEED})
 #: The bases whose coefficients all stand for one and the same function.
-_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE})
+_SINGLE = frozenset(
+    {Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE, Basis.CAP}
+)
 
 
 def pack(model: Model) -> Array:
@@ -157,9 +159,9 @@ def _fill(head: Array, model: Model) -> None:
     head[at.SHARE], head[at.LIFTED] = model.inertia.weight_N / model.count, float(np.sum(loads.rest_N))
     head[at.LAW] = grip.law
     head[at.DELAY], head[at.RAMP] = transients.delay_s, transients.ramp_s2_per_rad
-    stall, top = drives.stall_torque_N_m, drives.max_speed_rad_s
-    head[at.STALL_TORQUE], head[at.SLOWING] = stall or 0.0, 0.0 if top is None else 1.0 / top
-    head[at.DRIVEN] = stall is not None or bool(np.any(transients.droop_rad_s_per_N_m))
+    top = drives.max_speed_rad_s
+    head[at.SLOWING] = 0.0 if top is None else 1.0 / top
+    head[at.DRIVEN] = drives.stall_torque_N_m is not None or bool(np.any(transients.droop_rad_s_per_N_m))
     head[at.PLAYS] = bool(np.any(transients.play_rad))
     head[at.LAGGED] = bool(
         np.any(transients.lag_s)
@@ -188,6 +190,8 @@ def _wheels(model: Model) -> Array:
     rows[:, at.RIGID_SHARE] = grip.rigid_fraction
     rows[:, [at.TILT_X, at.TILT_Y]] = model.loads.per_moment_1_per_m
     rows[:, at.INERTIA_OF_WHEEL] = model.drives.wheel_inertias(model.inertia.mass_kg, c.radius_m)
+    stall = model.drives.stall_torques(n)
+    rows[:, at.STALL_TORQUE] = np.where(np.isfinite(stall), stall, 0.0)
     rows[:, at.LAG] = model.actuators.lag_s
     rows[:, at.GAIN] = model.actuators.gain
     rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m

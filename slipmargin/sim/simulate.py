@@ -21,11 +21,11 @@ RTOL = 1e-7
 REASONS = {
     Ending.TIPS: (
         "a wheel lifts off, and no three others carry the robot: it tips",
-        "accelerate less, or lower the centre of mass",
+        "accelerate or push less, or lower the centre of mass",
     ),
     Ending.JAMS: (
         "a wheel lifts off, and friction presses another down so hard that it jams or tips",
-        "accelerate less, or lower the centre of mass",
+        "accelerate or push less, or lower the centre of mass",
     ),
     Ending.NOT_FINITE: ("velocities or forces overflow", "give smaller wheel speeds, forces or coefficients"),
     Ending.STUCK: ("the step size fell to nothing", "smooth the commands or lower k_s_per_m"),

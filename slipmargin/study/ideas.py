@@ -19,6 +19,7 @@ import numpy as np
 
 from slipmargin.errors import InputError, NoSolution
 from slipmargin.limits.bounds import directions, headings
+from slipmargin.limits.bounds_summary import recommended
 from slipmargin.physics.loads import LoadRule
 from slipmargin.robot.uncertain import Uncertain
 from slipmargin.study.columns import columns_of, static_columns
@@ -49,9 +50,15 @@ class Question:
     meaning: str
 
 
-START, PLACE = "start_worst_m_s2", "place_share"
+START, DRIVE, PLACE = "start_worst_m_s2", "recommended_m_s2", "place_share"
 QUESTIONS = (
     Question(key=START, word="starting", unit="m/s²", meaning="in the weakest direction"),
+    Question(
+        key=DRIVE,
+        word="driving",
+        unit="m/s²",
+        meaning="in the weakest direction, up to half of the motors' top speed",
+    ),
     Question(key="brake_worst_m_s2", word="braking", unit="m/s²", meaning="in the weakest direction"),
     Question(key="corner_m_s", word="cornering", unit="m/s", meaning="in a bend of 0.5 m radius"),
     Question(key="spin_rad_s2", word="turning", unit="rad/s²", meaning="on the spot"),
@@ -181,9 +188,10 @@ def _values(designs: Sequence[RobotOnSurface]) -> list[dict[str, float]]:
     out = []
     for design, least in zip(designs, pull, strict=True):
         moving = columns_of(design, (Kind.MOTION,))
-        weight = design.build().inertia.weight_N
+        model = design.build()
         found = {q.key: moving[q.key] for q in QUESTIONS if q.key in moving}
-        out.append({**found, "push_N": float(least) * weight})
+        found[DRIVE] = recommended(model)
+        out.append({**found, "push_N": float(least) * model.inertia.weight_N})
     return out
 
 

@@ -30,6 +30,7 @@ from slipmargin.effects import Effect, GeneralEffect, Part, Recipe, Scope, Wheel
 from slipmargin.effects.catalogue import CATALOGUE, effect_class
 from slipmargin.effects.command_dead_band import CommandDeadBand
 from slipmargin.effects.command_ramp import CommandRamp
+from slipmargin.effects.command_saturation import CommandSaturation
 from slipmargin.effects.effect import Trace
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.effects.motor_lag import MotorLag
@@ -63,13 +64,14 @@ UNIT_WORDS = {
     "m/s": "m_s",
     "s²/rad": "s2_per_rad",
     "rad/s": "rad_s",
+    "s/rad": "s_per_rad",
     "rad/(s N m)": "rad_s_per_N_m",
     "N s/m": "N_s_per_m",
     "N m": "N_m",
 }
 UNSEEN = (Part.SENSING, Part.TRANSIENTS)
 #: Effects that bound what is asked for, or cut it off: nothing feels a small one.
-BOUNDS = (CommandDeadBand, CommandRamp, MotorTorque)
+BOUNDS = (CommandDeadBand, CommandRamp, CommandSaturation, MotorTorque)
 SLOW = settings(deadline=None, max_examples=4, suppress_health_check=[HealthCheck.too_slow])
 
 
@@ -360,7 +362,8 @@ def test_an_effect_acts_on_the_named_wheel_only_or_has_no_wheels(kind: type[Effe
     (before, rest), (after, kept), (full, _) = (per_wheel(p, 3) for p in (part, changed, everywhere))
     moved = False
     for name, now in after.items():
-        old = before.get(name, np.zeros_like(now))  # a new multiplier has no weight on any wheel before
+        # a new multiplier has no weight on any wheel before; a torque that is not known bounds nothing
+        old = before.get(name, np.full_like(now, np.inf if name == "stall_torque_N_m" else 0.0))
         np.testing.assert_array_equal(now[others], old[others], err_msg=f"{name} of wheels not named")
         np.testing.assert_allclose(now[rear], full[name][rear], rtol=1e-15, err_msg=name)
         moved = moved or not np.array_equal(now[rear], old[rear])

@@ -10,7 +10,12 @@ from slipmargin.diagnosis.result import Verdict
 from slipmargin.effects import Effect, Trace
 from slipmargin.effects.command_dead_band import CommandDeadBand
 from slipmargin.effects.command_ramp import CommandRamp
+from slipmargin.effects.command_saturation import CommandSaturation
+from slipmargin.effects.effect import WheelEffect
 from slipmargin.effects.motor_torque import MotorTorque
+from slipmargin.effects.speed_droop import SpeedDroop
+
+EVERY = ("1", "2", "3")
 
 
 @pytest.mark.parametrize(
@@ -18,7 +23,9 @@ from slipmargin.effects.motor_torque import MotorTorque
     [
         (CommandDeadBand(dead_band_rad_s=1.5), 0.2),
         (CommandRamp(ramp_s2_per_rad=0.015), 0.001),
-        (MotorTorque(shortfall=2.0), 0.2),
+        (CommandSaturation(saturation_s_per_rad=0.1, wheels=("2",)), 0.01),
+        (MotorTorque(shortfall=2.0, wheels=("2",)), 0.2),
+        (SpeedDroop(droop_rad_s_per_N_m=20.0, wheels=("2",)), 2.0),
     ],
     ids=lambda value: getattr(value, "name", ""),
 )
@@ -30,8 +37,8 @@ def test_a_faulty_drive_is_found(effect: Effect, widest: float) -> None:
     assert found.verdict is Verdict.EFFECT_FOUND
     (finding,) = found.findings
     assert finding.name == effect.name and finding.traced_to is Trace.ACTUATION
-    (size,) = finding.parameters
-    (truth,) = effect.values()
+    assert finding.wheels == (effect.wheels if isinstance(effect, WheelEffect) and effect.wheels else EVERY)
+    size, truth = finding.parameters[0], effect.values()[0]
     assert size.low < truth < size.high and size.high - size.low < widest
     assert found.before.chi > 2.0 and found.after.chi < 1.1
     model = smooth_kiwi().with_effects(effect).build("paper")

@@ -47,7 +47,7 @@ def test_columns_are_found_by_name() -> None:
         ("t_s,x_m\n1,nan\n", "2:2", "'nan'"),
         ("t_s,x_m\n1,-inf\n", "2:2", "'-inf'"),
         ("t_s,x_m\n", "2:1", "0 rows"),
-        ("t_s;x_m\n1;2\n", "1:1", "missing"),
+        ("t_s;x_m\n1;2\n", "1:1", "separated by semicolons"),
         ("t_s,x_m\n1_0,2\n", "2:1", "t_s is '1_0', not a number"),
     ],
 )

@@ -282,6 +282,14 @@ PLANNER = (SAMPLES / "pathplanner.wpilib.json").read_text(encoding="utf-8")
         ('[{"a": 1}]', "is no trajectory of a known form, give a CSV with t_s,x_m,y_m,phi_rad, a Choreo"),
         ('{"waypoints": []}', "is no trajectory of a known form"),
         ("<xml/>", "is no trajectory of a known form"),
+        (
+            "time,x,y,theta\n0,0,0,0\n",
+            "'phi_rad' is missing, add it (the file has: time, x, y, theta)",
+        ),
+        (
+            "t_s;x_m;y_m;phi_rad\n0;0;0;0\n",
+            "the columns are separated by semicolons, separate them",
+        ),
         ('{"trajectory": {"samples": [', "1:29: is no JSON"),
         ("[" * 100_000, "is no JSON that can be read"),
         (spoilt(lambda s: s[3].pop("y")), "trajectory.samples[3].y: is missing"),

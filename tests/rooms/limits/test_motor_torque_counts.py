@@ -12,6 +12,11 @@ from planting import smooth_kiwi
 import slipmargin as sm
 from slipmargin.effects.motor_torque import MotorTorque
 from slipmargin.limits.bounds import directions
+from slipmargin.onboard.table import limit_table
+from slipmargin.paths.path import through
+from slipmargin.paths.plan import Request, plan
+from slipmargin.paths.sample import trajectory
+from slipmargin.paths.verify import verify
 from slipmargin.robot import Motor
 
 
@@ -20,7 +25,7 @@ def test_it_counts_in_limits_as_a_motor_of_that_torque_does(stated: float | None
     recipe = smooth_kiwi()
     motor = None if stated is None else Motor(max_speed_rad_s=1e6, stall_torque_N_m=stated)
     weak = replace(recipe, robot=replace(recipe.robot, motor=motor)).with_effects(MotorTorque(shortfall=1.5))
-    torque = weak.build("paper").drives.stall_torque_N_m
+    torque = weak.build("paper").drives.weakest_N_m
     nominal = recipe.build("paper")
     grip = np.mean(nominal.grip.roller[:, 0] * nominal.loads.rest_N * nominal.geometry.radius_m)
     assert 1.0 / torque == pytest.approx((0.0 if stated is None else 1.0 / stated) + 1.5 / grip, rel=1e-12)
@@ -31,11 +36,34 @@ def test_it_counts_in_limits_as_a_motor_of_that_torque_does(stated: float | None
     assert np.all(starts[0] < starts[2])
 
 
+def test_one_weak_motor_counts_where_its_wheel_works() -> None:
+    """Along its wheel all motors might be as weak, across it none; and what is planned so is driven so."""
+    recipe = smooth_kiwi()
+    one, every = (recipe.with_effects(MotorTorque(shortfall=2.0, wheels=on)) for on in (("2",), ()))
+    models = [r.build("paper") for r in (recipe, one, every)]
+    along = np.arctan2(*models[0].geometry.drive[1][::-1])
+    free, weak, all_weak = (directions(m, along + np.array([0.0, np.pi / 2])).starting_m_s2 for m in models)
+    assert weak[0] == pytest.approx(all_weak[0], rel=1e-6) and weak[0] < 0.8 * free[0]
+    assert weak[1] == pytest.approx(free[1], rel=1e-6)
+
+    there = np.array([[0.0, 0.0, 0.0], [*np.array([np.cos(along), np.sin(along)]), 0.0]])
+    plans = [plan(m, through(there), Request(share=0.9, points=60)) for m in models[:2]]
+    assert np.max(plans[1].audit.torque) == pytest.approx(0.9, abs=0.01)
+    assert np.all(plans[1].audit.torque[..., [0, 2]] == 0.0)
+    bold, sound = (verify(models[1], trajectory(p)) for p in plans)
+    assert bold.drift_m > 10.0 * sound.drift_m
+
+
+def test_a_limiter_takes_the_weakest_motor() -> None:
+    model = smooth_kiwi().with_effects(MotorTorque(shortfall=2.0, wheels=("2",))).build("paper")
+    assert limit_table(model, 0.1).stall_torque_N_m == model.drives.weakest_N_m
+
+
 def test_a_simulator_gets_a_torque_whose_speed_is_not_known() -> None:
     """The joint's limit was left out where no top speed was known."""
     robot = smooth_kiwi().with_effects(MotorTorque(shortfall=1.5))
     text = sm.export_simulator(robot, "urdf", "paper").text
     limits = ET.fromstring(text).findall("joint/limit")
     assert len(limits) == 3
-    torque = robot.build("paper").drives.stall_torque_N_m
+    torque = robot.build("paper").drives.weakest_N_m
     assert all(float(one.get("effort", "0")) == pytest.approx(torque, rel=1e-4) for one in limits)

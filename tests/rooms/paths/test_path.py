@@ -84,6 +84,7 @@ def test_the_grid_is_dense_where_the_path_bends_and_hits_every_knot() -> None:
         ([[0, 0, 0]], "waypoint", "no path"),
         ([[0, 0, 0], [1, 0, 0], [1, 0, 0]], "waypoint 3", "repeats waypoint 2"),
         ([[0, 0, 0], [1, np.nan, 0]], "waypoint 2", "nan"),
+        ([[0, 0, 0], [1e300, 0, 0]], "waypoint 2", "give metres and radians"),
         ([[0, 0], [1, 0]], "waypoint", "shape"),
         ([[0, 0, 0], [1, 0, 0], [0, 0, 0], [0, 1, 0]], "waypoint 2", "turns back on itself"),
     ],

@@ -166,7 +166,26 @@ def test_less_grip_is_never_faster_and_a_better_start_never_slower(eight: Plan) 
     assert calm.duration_s > eight.duration_s
     moving = plan(eight.model, eight.path, Request(share=0.9, points=200, start_m_s=0.3, end_m_s=0.2))
     assert moving.duration_s < eight.duration_s
-    assert np.sqrt(moving.x[[0, -1]]) == pytest.approx([0.3, 0.2])
+    ends = trajectory(moving, step_s=0.01).velocity[[0, -1]]
+    assert np.hypot(*ends[:, :2].T) == pytest.approx([0.3, 0.2])
+
+
+def test_speeds_along_a_spline_are_speeds_over_the_floor() -> None:
+    """A spline is written over its chords: 0.5 m/s at its ends was 0.62, and 3.8 m were called 3.6."""
+    bent = through(np.array([[0, 0, 0], [1.2, 0, 0], [1.2, 1.2, 0], [0, 1.2, 0]]))
+    found = plan(MODELS["kiwi"], bent, Request(points=100, start_m_s=0.2, end_m_s=0.1))
+    rows, along = trajectory(found, step_s=0.002), found.profile()
+    speed = np.hypot(*rows.velocity[:, :2].T)
+    assert speed[[0, -1]] == pytest.approx([0.2, 0.1])
+    assert along.speed_m_s[[0, -1]] == pytest.approx([0.2, 0.1])
+    assert along.speed_m_s.max() == pytest.approx(speed.max(), rel=1e-3)
+    way = np.sum(np.hypot(*np.diff(rows.pose[:, :2], axis=0).T))
+    assert along.way_m[-1] == pytest.approx(way, rel=1e-4) and way > 1.03 * bent.length
+    with pytest.raises(InputError, match="start speed: is 9 m/s") as refused:
+        plan(MODELS["kiwi"], bent, Request(points=100, start_m_s=9.0))
+    most = float(re.search(r"at most ([\d.]+) m/s", str(refused.value))[1])  # type: ignore[index]
+    faster = trajectory(plan(MODELS["kiwi"], bent, Request(points=100, start_m_s=most)), step_s=0.01)
+    assert np.hypot(*faster.velocity[0, :2]) == pytest.approx(most, rel=1e-6)
 
 
 def test_caps_hold_between_grid_points_too() -> None:

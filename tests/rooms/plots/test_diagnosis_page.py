@@ -193,6 +193,25 @@ def test_unexplained_leads_on() -> None:
     assert "follows no measured variable significantly" in bare
     unproved = diagnosis(Verdict.UNEXPLAINED, leads=(lead(source=LeadSource.FIT),))
     assert "First to look at, without proof: the place on the floor" in words.verdict_sentence(unproved)
+
+
+def test_a_lead_that_chance_may_have_made_is_not_what_the_residual_follows() -> None:
+    """With p = 0.55 it was said to follow a constant of one wheel, above a lead that was called weak."""
+    weak = diagnosis(Verdict.UNEXPLAINED, leads=(lead(source=LeadSource.MAP, p_value=0.55),))
+    said = words.verdict_sentence(weak)
+    assert "No measured variable stands out; the place on the floor comes nearest." in said
+
+
+def test_a_finding_on_one_wheel_says_which() -> None:
+    """`found wheel_radius` was all that the command line said of a wheel that is smaller than the others."""
+    found = diagnosis(Verdict.EFFECT_FOUND).findings[0]
+    d = diagnosis(Verdict.EFFECT_FOUND, findings=(replace(found, wheels=("left",), confused_with=()),))
+    assert f"The model lacks {found.name} of wheel left (depends" in words.verdict_sentence(d)
+    form = replace(
+        found, name="unnamed_wheel", label="unnamed_wheel: friction of wheel left", confused_with=()
+    )
+    d = diagnosis(Verdict.EFFECT_FOUND, findings=(form,))
+    assert "The model lacks unnamed_wheel: friction of wheel left" in words.verdict_sentence(d)
     held = diagnosis(Verdict.UNEXPLAINED, leads=(lead(source=LeadSource.BORNE_OUT),))
     told = words.verdict_sentence(held)
     assert (

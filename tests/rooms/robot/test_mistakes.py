@@ -16,7 +16,7 @@ from slipmargin.effects import Recipe
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import built_in_names, read_recipe, recipe_from_text
 from slipmargin.io.robot_text import write_recipe
-from slipmargin.robot import Coefficients, Convention, Robot
+from slipmargin.robot import Coefficients, Convention, Motor, Robot
 from slipmargin.robot.mistakes import refuse_impossible, unlikely
 
 
@@ -29,6 +29,28 @@ def scaled(robot: Robot, factor: float) -> Robot:
 @pytest.mark.parametrize("name", built_in_names())
 def test_the_built_in_robots_are_likely(name: str) -> None:
     assert unlikely(read_recipe(name).robot) == []
+
+
+@pytest.mark.parametrize(
+    ("time", "turn", "said"), [(1.0, 1.0, ""), (1e3, 1.0, "t_s"), (1.0, 57.3, "phi_rad")]
+)
+def test_times_in_milliseconds_and_headings_in_degrees_are_said(time: float, turn: float, said: str) -> None:
+    """Milliseconds were admissible, with the exit status of a motion that is."""
+    t = np.linspace(0.0, 2.0, 41)
+    pose = np.column_stack([0.1 * t**2, 0.0 * t, turn * 0.3 * np.sin(3.0 * t)])
+    warned = sm.check("omni4", "floor", np.column_stack([time * t, pose])).warnings
+    assert [w.split(":")[0] for w in warned] == ([said] if said else [])
+
+
+def test_a_motor_in_turns_per_minute_and_kg_cm_is_said() -> None:
+    """A robot of 1.6 m/s was given 9.8, and 118 m/s² to start with, without a word."""
+    robot = replace(four_wheels(), body=replace(four_wheels().body, mass_kg=12.0, inertia_kg_m2=0.35))
+    robot = replace(robot, wheels=tuple(replace(w, radius_m=0.048) for w in robot.wheels))
+    right = replace(robot, motor=Motor(max_speed_rad_s=32.67, stall_torque_N_m=2.38))
+    wrong = replace(robot, motor=Motor(max_speed_rad_s=312.0, stall_torque_N_m=24.3))
+    assert unlikely(right) == unlikely(robot)
+    speed, torque = (s for s in unlikely(wrong) if s.startswith("motor"))
+    assert "write 32.67" in speed and "17.2 times" in torque
 
 
 @given(robots())

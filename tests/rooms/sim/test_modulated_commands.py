@@ -6,7 +6,9 @@ import numpy as np
 from hypothesis import given, settings, strategies as st
 from strategies import kiwi
 
+from slipmargin.effects import AnyEffect
 from slipmargin.effects.command_dead_band import CommandDeadBand
+from slipmargin.effects.command_saturation import CommandSaturation
 from slipmargin.effects.recipe import with_effects
 from slipmargin.model import nominal_model
 from slipmargin.physics.terms import basis_values
@@ -16,9 +18,9 @@ from slipmargin.sim.pack import pack
 from slipmargin.sim.signal import linear
 
 
-def turned(band: float, t: np.ndarray, omega: np.ndarray) -> np.ndarray:
-    """How far each wheel turns under commands (T, 3) with a dead band [rad]."""
-    model = with_effects(nominal_model(kiwi(), "paper"), (CommandDeadBand(dead_band_rad_s=band),))
+def turned(effect: AnyEffect, t: np.ndarray, omega: np.ndarray) -> np.ndarray:
+    """How far each wheel turns under commands (T, 3) [rad]."""
+    model = with_effects(nominal_model(kiwi(), "paper"), (effect,))
     batch = Batch([linear(t, omega)], [np.array([0.0, t[-1]])], commanded=True)
     theta = batch.run(pack(model), np.zeros(3), tell=True).theta
     assert theta is not None
@@ -37,4 +39,18 @@ def test_a_wheel_stands_while_its_command_crosses_the_band(seed: int, band: floa
     stands = basis_values(Basis.STEP, np.array([band, 0.05 * band]), 1, np.abs(asked).ravel())[:, 0]
     real = asked * (1.0 - stands.reshape(asked.shape))
     exact = np.trapezoid(real, fine, axis=0)
-    np.testing.assert_allclose(turned(band, t, omega), exact, atol=2e-4)
+    np.testing.assert_allclose(turned(CommandDeadBand(dead_band_rad_s=band), t, omega), exact, atol=2e-4)
+
+
+@settings(max_examples=20, deadline=None)
+@given(seed=st.integers(0, 2**32 - 1), top=st.floats(1.0, 12.0))
+def test_a_wheel_turns_no_faster_than_its_top_speed(seed: int, top: float) -> None:
+    """The wheel named so, between the rows too; the others as they are told."""
+    draw = np.random.default_rng(seed)
+    t = np.concatenate([[0.0], np.cumsum(draw.uniform(0.05, 0.5, 4))])
+    omega = draw.uniform(-10.0, 10.0, (5, 3))
+    fine = np.linspace(0.0, t[-1], 40001)
+    real = np.column_stack([np.interp(fine, t, column) for column in omega.T])
+    real[:, 1] = np.clip(real[:, 1], -top, top)
+    slow = CommandSaturation(saturation_s_per_rad=1.0 / top, wheels=(kiwi().wheels[1].name,))
+    np.testing.assert_allclose(turned(slow, t, omega), np.trapezoid(real, fine, axis=0), atol=2e-4)

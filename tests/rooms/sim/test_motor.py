@@ -62,12 +62,13 @@ def ramp(t):
     return np.array([4.0, 2.0, -6.0]) * min(t / 0.1, 1.0)
 
 
-@pytest.mark.parametrize("case", ["droop", "line"])
+@pytest.mark.parametrize("case", ["droop", "line", "each its own line"])
 def test_loaded_wheels_agree_with_a_plain_integration(case):
     model = model_with(lag_s=np.array([0.03, 0.02, 0.0]), droop_rad_s_per_N_m=np.full(3, 8.0))
     line = inertia = None
-    if case == "line":
-        line, inertia = (0.035, 20.0), 2e-4
+    if case != "droop":
+        stall = 0.035 if case == "line" else np.array([0.035, np.inf, 0.02])
+        line, inertia = (stall, 20.0), 2e-4
         drives = Drives(max_speed_rad_s=line[1], stall_torque_N_m=line[0], wheel_inertia_kg_m2=inertia)
         model = replace(model, drives=drives)
     batch = Batch([linear(KNOTS, RATES)], [np.array([0.0, 0.4])], commanded=True)
