@@ -52,10 +52,11 @@ class Geometry:
     bend: Array
 
     @staticmethod
-    def of(model: Model, path: Path, grid: Grid, fractions: Array) -> Geometry:
-        """The samples of a grid."""
+    def of(model: Model, path: Path, grid: Grid, fractions: Array, *, turned_rad: float = 0.0) -> Geometry:
+        """The samples of a grid, of a robot that looks ``turned_rad`` to the left of the path's heading."""
         s, piece = grid.inside(fractions)
         pose, first, second = (a.reshape(*s.shape, 3) for a in path.at(s.ravel(), piece.ravel()))
+        pose[..., 2] += turned_rad
         com, phi = model.inertia.com_m, pose[..., 2]
         twist = rotate_rows(phi, first, inverse=True)
         rate, turning = twist.reshape(-1, 3), rotate_rows(phi, second, inverse=True).reshape(-1, 3)

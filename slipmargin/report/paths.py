@@ -13,6 +13,7 @@ from slipmargin.model import Model
 from slipmargin.paths.chance import PlanChance
 from slipmargin.paths.check import Check
 from slipmargin.paths.geometry import Geometry
+from slipmargin.paths.off_heading import use_off_heading
 from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import NEAR, TIED
 from slipmargin.paths.verify import Verified
@@ -22,6 +23,8 @@ from slipmargin.report.motion import ended, in_air
 _TURNED_DEG = 0.05
 #: Places in each interval of the grid at which a plan is measured along.
 _FRACTIONS = 21
+#: A heading that is a little off takes so much more of what is allowed before it is said [1].
+_MORE = 0.02
 #: Rollers stand where a wheel slides sideways by less than this part of the fastest wheel's turning [m], and
 #: where no wheel is near its limit for longer than that part of the time, it is said [1].
 _STANDS, _SPOKEN = 1e-9, 0.02
@@ -58,6 +61,7 @@ def plan_lines(p: Plan, proofs: Mapping[str, Verified], likely: PlanChance | Non
         f"t = {p.audit.time_s[i, j]:.3f} s",
         f"limited by  {_limited(p)}",
         *_still_rollers(p),
+        *_off_heading(p),
     ]
     if p.model.loads.follow_acceleration:
         lost = p.audit.tipping
@@ -151,6 +155,19 @@ def _still_rollers(p: Plan) -> list[str]:
         f"{np.max(most[spare]):.3g} of its grip: their friction helps to drive, which the plan does not "
         "count on, as a drift to the side makes it drag"
     ]
+
+
+def _off_heading(p: Plan) -> list[str]:
+    """That a heading a degree off takes more than is allowed, where it does."""
+    share, use = p.request.share, use_off_heading(p)
+    if use <= (1.0 + _MORE) * share:
+        return []
+    what = (
+        f"it would use {use:.3g} of a wheel's grip instead of {share:g}"
+        if use <= 1.0
+        else "a wheel would slip"
+    )
+    return [f"heading     a degree off {what}: a larger --margin leaves room for that"]
 
 
 def check_lines(model: Model, c: Check) -> list[str]:
