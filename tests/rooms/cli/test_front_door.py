@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import slipmargin_cli
 import typer
 from robot_files import GOOD
 from slipmargin_cli import main
@@ -135,6 +136,18 @@ def test_an_exit_status_of_a_command_is_kept(monkeypatch: pytest.MonkeyPatch) ->
 
     with_command(monkeypatch, leave)
     assert status(["try-me"]) == 7
+
+
+def test_ctrl_c_while_modules_are_loaded_is_quiet(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the first fifths of a second it ended in a traceback, by the signal instead of 130."""
+
+    def interrupted() -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("slipmargin_cli.main.run", interrupted)
+    with pytest.raises(SystemExit) as left:
+        slipmargin_cli.run()
+    assert left.value.code == 130
 
 
 def test_interrupted_process_writes_nothing(tmp_path: Path) -> None:
