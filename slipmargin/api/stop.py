@@ -244,7 +244,7 @@ def stop(
     --------
     >>> import slipmargin as sm
     >>> sm.stop("ohio-kiwi", "paper", speeds_m_s=[0.5], step_deg=45.0)
-    <stop of ohio-kiwi on paper: from 0.5 m/s at most 0.08169 m and 0.3277 s>
+    <stop of ohio-kiwi on paper: from 0.5 m/s at most 0.08341 m and 0.3277 s>
     """
     from slipmargin.onboard.braking import braking
     from slipmargin.report.motion import ended as why

@@ -120,7 +120,7 @@ def diagnose_pulls(
     progress("reading the noise", 0.0)
     sigma, freedom, repeated = noise_N(pulls)
     noise_from = "stated" if pulls.sigma_N is not None else "repeats" if repeated else "neighbours"
-    problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
+    problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma, noise_from == "stated")
     candidates = pull_candidates(problem)
     progress("searching in all pulls", 0.0)
     first = watch.part(PULLS.first_share)
@@ -131,7 +131,7 @@ def diagnose_pulls(
         # What the wheels stood on is part of the scatter of repeats; the model found says how large a part.
         sigma, noise_from = scatter, "residual"
         freedom = max(1.0, problem.count(problem.everyone) - len(state.fit.x))
-        problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma)
+        problem = PullProblem.of(data_set.recipe, data_set.surface, pulls, sigma, noise_known=True)
         second, known = watch.part(PULLS.first_share), rounds
         state, rounds = search(problem, problem.everyone, candidates, seed, second)
         if second.expired:

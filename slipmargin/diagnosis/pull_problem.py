@@ -107,6 +107,7 @@ class PullProblem:
     surface: str
     pulls: Pulls
     sigma_N: float
+    noise_known: bool  #: σ is the noise of a pull, not what scatters with the material under the wheels
     nominal: Model
     settings: Array
     which: Index
@@ -114,7 +115,7 @@ class PullProblem:
     watch: Watch | None = None  #: ends a search, where it is asked for residuals after its time
 
     @staticmethod
-    def of(recipe: Recipe, surface: str, pulls: Pulls, sigma_N: float) -> PullProblem:
+    def of(recipe: Recipe, surface: str, pulls: Pulls, sigma_N: float, noise_known: bool) -> PullProblem:
         """The problem of these pulls, with the noise σ [N] of one."""
         settings, which = pulls.settings()
         most = int(np.bincount(which).max())
@@ -127,6 +128,7 @@ class PullProblem:
             surface=surface,
             pulls=pulls,
             sigma_N=sigma_N,
+            noise_known=noise_known,
             nominal=nominal_model(recipe.robot, surface),
             settings=settings,
             which=which,

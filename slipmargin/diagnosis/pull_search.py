@@ -297,18 +297,29 @@ def luck(
     """Probability that the best of all candidates gains as much from noise alone.
 
     The noise is what the chosen effect leaves, each setting's with one random sign and made larger for the
-    parameters that were fitted; what a candidate gains from it is its projection on the candidate's tangent
-    (``slopes``, one (R, 2 K, P) each).
+    parameters that were fitted.  An effect too many leaves next to nothing of few pulls, so where the noise
+    of a pull is known, that noise too must reach the gain more rarely.  What a candidate gains from a draw
+    is its projection on the candidate's tangent (``slopes``, one (R, 2 K, P) each).
     """
-    gain = before.fit.cost - best.fit.cost
+    gain, rng = before.fit.cost - best.fit.cost, np.random.default_rng(seed)
     pulls = problem.count(best.fit.trials)
     size = max(float(np.sqrt(pulls / max(1, pulls - len(best.fit.x)))), 1.0)
     left = size * best.fit.residual
     bases = [_orthonormal(t) for t in slopes]
-    signs = np.random.default_rng(seed).choice([-1.0, 1.0], size=(_SURROGATES, len(left)))
-    drawn = (signs[:, :, None] * left).reshape(_SURROGATES, -1)
+    signs = rng.choice([-1.0, 1.0], size=(_SURROGATES, len(left)))
+    draws = [signs[:, :, None] * left]
+    if problem.noise_known:
+        white = np.zeros_like(draws[0])
+        there = problem.rows[best.fit.trials] >= 0
+        white[:, :, ::2] = there * rng.standard_normal((_SURROGATES, *there.shape))
+        draws.append(white)
+    return max(_rarity(drawn.reshape(_SURROGATES, -1), bases, gain) for drawn in draws)
+
+
+def _rarity(drawn: Array, bases: Sequence[Array], gain: float) -> float:
+    """Share of drawn residuals (S, 2 R K) of which the best projection gains as much."""
     most = np.max([np.sum((drawn @ basis) ** 2, axis=1) for basis in bases], axis=0)
-    return float(1 + np.count_nonzero(most >= gain)) / (1 + _SURROGATES)
+    return float(1 + np.count_nonzero(most >= gain)) / (1 + len(drawn))
 
 
 def _orthonormal(tangent: Array) -> Array:

@@ -39,7 +39,7 @@ RIG = Path(__file__).parents[2] / "data" / "rig"
 def rig(name: str) -> PullProblem:
     recipe = read_recipe(RIG / name / "robot.toml")
     pulls = read_pulls(RIG / name / "pulls.csv", 3)
-    return PullProblem.of(recipe, "floor", pulls, noise_N(pulls)[0])
+    return PullProblem.of(recipe, "floor", pulls, noise_N(pulls)[0], noise_known=False)
 
 
 def found_on(problem: PullProblem) -> tuple[dict[str, np.ndarray], float]:
@@ -107,7 +107,7 @@ def test_loads_and_coefficients_together_are_recovered_or_confused(
         planted("friction_coefficients", drive_factor=drive, transverse_factor=1.1, steepness_factor=1.0),
     )
     real = robot().with_effects(*effects)
-    problem = PullProblem.of(robot(), "paper", pulled(real, seed=seed), 0.06)
+    problem = PullProblem.of(robot(), "paper", pulled(real, seed=seed), 0.06, noise_known=False)
     state, _ = search(problem, problem.everyone, pull_candidates(problem), seed=0)
     clean = limit(real.build("paper"), FULL, Pull())
     off = limit(problem.model(state.fit.effects), FULL, Pull()) - clean
@@ -118,7 +118,7 @@ def test_loads_and_coefficients_together_are_recovered_or_confused(
 def test_rigid_sectors_are_found_with_and_without_wheel_angles(angles: bool) -> None:
     """The paper's own missing effect in Fig. 8's pulls, whose "repeatability is very low"."""
     pulls = pulled(robot(0.12), phi_rad=QUARTER, repeats=3, angles=angles)
-    problem = PullProblem.of(robot(), "paper", pulls, 0.06)
+    problem = PullProblem.of(robot(), "paper", pulls, 0.06, noise_known=False)
     state, _ = search(problem, problem.everyone, pull_candidates(problem), seed=0)
     assert "rigid_sector" in {c.name for c in state.structure}
     share = next(e for e in state.fit.effects if e.name == "rigid_sector").rigid_fraction  # type: ignore[union-attr]
@@ -128,13 +128,13 @@ def test_rigid_sectors_are_found_with_and_without_wheel_angles(angles: bool) -> 
 def test_the_papers_band_needs_nothing_more() -> None:
     """Fig. 8's scatter is what the believed share of rigid material leads to: nothing is missing."""
     pulls = pulled(robot(0.1), phi_rad=QUARTER, repeats=3, angles=False)
-    problem = PullProblem.of(robot(0.1), "paper", pulls, 0.06)
+    problem = PullProblem.of(robot(0.1), "paper", pulls, 0.06, noise_known=False)
     state, _ = search(problem, problem.everyone, pull_candidates(problem), seed=0)
     assert not state.structure and state.off < 1.5 * len(pulls.force_N)
 
 
 def test_candidates_are_those_that_move_a_static_limit() -> None:
-    problem = PullProblem.of(robot(), "paper", pulled(robot()), 0.06)
+    problem = PullProblem.of(robot(), "paper", pulled(robot()), 0.06, noise_known=False)
     names = {c.name for c in pull_candidates(problem)}
     assert {"friction_coefficients", "rigid_sector", "wheel_loads", "roller_coupling", "floor_nap"} <= names
     # What needs motion, the camera, time or a known place is none.
@@ -181,7 +181,7 @@ def test_the_next_pulls_separate_what_is_left_or_narrow_what_is_wide() -> None:
         planted("floor_nap", nap_x=0.1, nap_y=0.0),
         planted("floor_tilt", tilt_x_rad=0.02, tilt_y_rad=0.0),
     )
-    problem = PullProblem.of(robot(), "paper", pulled(robot().with_effects(nap)), 0.06)
+    problem = PullProblem.of(robot(), "paper", pulled(robot().with_effects(nap)), 0.06, noise_known=False)
     known = {c.name: c for c in pull_candidates(problem)}
     fits = [
         evaluate(problem, (known[e.name],), e.values(), problem.everyone)  # type: ignore[union-attr]
