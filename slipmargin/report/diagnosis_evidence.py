@@ -113,7 +113,7 @@ def residual_map(d: Diagnosis) -> list[Block]:
             caption="The residual map: share of the squared residual that the best candidate of each "
             f"variable takes off on {on}, "
             "and how likely noise alone gives the best of all as much",
-            head=("variable", "candidate", "share", "p-value"),
+            head=("variable", "candidate", "takes off", "p-value"),
             rows=rows,
         ),
     ]
