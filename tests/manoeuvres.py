@@ -105,7 +105,6 @@ def basis_shape(basis: Basis, size: float) -> tuple[np.ndarray, int]:
         Basis.ODD: ((size, 0.0), 2),
         Basis.STEP: ((0.5 * size, 0.2 * size), 1),
         Basis.LOBE: ((0.6, 1.3), 1),
-        Basis.CAP: ((0.5 * size, 0.0), 1),
     }
     constants, count = shapes[basis]
     return np.array(constants), count

@@ -267,9 +267,9 @@ class SearchSettings:
     start_deviations: float = 4.0
     #: [1] … and are at least this share of the wheels' mean speeds in that time: from rest all slides.
     start_pace: float = 0.5
-    #: [1] A robot whose commands alone are known moves from the start if it has this share of what it is
-    #: asked for at once: one that starts from rest with a lag of 13 ms has less.
-    start_follows: float = 0.75
+    #: [1] A robot whose commands alone are known moves from the start if its first speed is this share of its
+    #: mean speed then: from rest it is 0.6 at most, with a pose each 0.05 s and no lag; in motion 0.9 to 1.2.
+    start_share: float = 0.75
     #: [s] A part of a run that was cut at an event is kept if it is as long as this.
     least_part_s: float = 0.4
     #: [1] A fault of the data is spoken of where the effects found could take up this share of the squared

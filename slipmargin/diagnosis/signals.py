@@ -160,17 +160,15 @@ def _misses(
 def started(
     model: Model, trial: Trial, signal: WheelSignal, sigma: Array, commanded: bool
 ) -> tuple[WheelSignal, Array]:
-    """A trial's signal with the wheel speeds before it, and the floor-frame velocity (3,) it begins with.
+    """A trial's signal with what was commanded before it, and the floor-frame velocity (3,) it begins with.
 
-    A robot that only commands are known of stands when they begin, unless its first poses, whose noise is
-    ``sigma`` (3,), say clearly that it follows the first command already; its wheels do so then.
+    Where commands alone are known, the first poses, whose noise is ``sigma`` (3,), say whether the robot
+    stands when they begin or follows the first of them already.
     """
-    if not commanded:
-        return signal, start_twist(model, trial, signal, sigma)
-    speeds = signal.pieces[0, :, 1]
-    if not _follows(trial, model.geometry.no_slip_map() @ speeds, sigma):
+    if commanded and not _moves_at_once(trial, sigma):
         return signal, np.zeros(3)
-    return replace(signal, spin_rad_s=speeds), start_twist(model, trial, signal, sigma)
+    before = signal.pieces[0, :, 1] if commanded else signal.spin_rad_s
+    return replace(signal, spin_rad_s=before), start_twist(model, trial, signal, sigma)
 
 
 def _early(trial: Trial) -> NDArray[np.bool_]:
@@ -178,20 +176,28 @@ def _early(trial: Trial) -> NDArray[np.bool_]:
     return np.asarray((trial.t_s <= trial.t_s[0] + SETTINGS.start_s) & np.isfinite(trial.pose).all(axis=1))
 
 
-def _follows(trial: Trial, asked: Array, sigma: Array) -> bool:
-    """Whether a robot moves at once as it is asked to (3,), in its own frame: what starts from rest lags."""
-    early = _early(trial)
-    if not asked.any() or not early[0] or early.sum() < SETTINGS.start_poses:
-        return False
-    t, moved = trial.t_s[early] - trial.t_s[0], body_path(trial.pose[early])
+def _moves_at_once(trial: Trial, sigma: Array) -> bool:
+    """Whether a robot is as fast at first as a little later; so it is taken to be where too few poses tell.
+
+    It may be slower than it was asked to be.  One that starts from rest, with or without a lag, has to gain
+    its speed.
+    """
+    rows = np.flatnonzero(np.isfinite(trial.pose).all(axis=1))
+    if len(rows) < SETTINGS.start_poses:
+        return True
+    stamps = trial.t_s[rows]
+    rows = rows[stamps <= max(stamps[0] + SETTINGS.start_s, stamps[SETTINGS.start_poses - 1])]
+    t, moved = trial.t_s[rows] - trial.t_s[rows[0]], body_path(trial.pose[rows]) / sigma
     powers = t[:, None] ** np.arange(1, 3)  # from the first pose: what starts from rest stays behind
     to_fit = np.linalg.pinv(powers)
     by_time = to_fit @ moved
-    missed = np.sqrt(np.sum((moved - powers @ by_time) ** 2, axis=0) / (len(t) - 2))
-    error = np.maximum(sigma, missed) * np.hypot(np.linalg.norm(to_fit[0]), np.sum(to_fit[0]))
-    size = float(np.linalg.norm(asked / error))
-    share = float((by_time[0] / error) @ (asked / error)) / size**2
-    return share > max(SETTINGS.start_follows, SETTINGS.start_deviations / size)
+    missed = np.sqrt(np.sum((moved - powers @ by_time) ** 2) / (3 * len(t) - 6))
+    error = max(1.0, float(missed)) * float(np.hypot(np.linalg.norm(to_fit[0]), np.sum(to_fit[0])))
+    mean = by_time[0] + t[-1] * by_time[1]
+    size = float(np.linalg.norm(mean))
+    if size <= SETTINGS.start_deviations * error:
+        return False
+    return float(by_time[0] @ mean) > SETTINGS.start_share * size**2
 
 
 def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -> Array:

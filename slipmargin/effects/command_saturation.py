@@ -10,8 +10,6 @@ import numpy as np
 from slipmargin.effects.effect import Part, Quantity, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ActuatorDynamics
-from slipmargin.physics.terms import Multiplier
-from slipmargin.physics.variables import Basis, Variable
 
 
 @final
@@ -45,14 +43,8 @@ class CommandSaturation(WheelEffect):
         """ActuatorDynamics of wheels that turn no faster."""
         if self.saturation_s_per_rad == 0.0:
             return part
-        capped = Multiplier(
-            variable=Variable.COMMAND_SPEED,
-            basis=Basis.CAP,
-            shape=np.array([1.0 / self.saturation_s_per_rad, 0.0]),
-            coefficients=np.ones(1),
-            wheels=self.mask(nominal),
-        )
-        return replace(part, multipliers=(*part.multipliers, capped))
+        top = np.where(self.mask(nominal) > 0.0, 1.0 / self.saturation_s_per_rad, np.inf)
+        return replace(part, top_rad_s=np.minimum(part.top_rad_s, top))
 
     def derived(self, model: Model) -> tuple[Quantity, ...]:
         """The fastest that such a wheel turns."""

@@ -35,7 +35,7 @@ def span(basis: Basis, shape: Array, variable: Variable, count: int, samples: in
         return np.linspace(0.0, abs(a), samples)
     if basis is Basis.WINDOW:
         return np.array([max(a, 0.0) if forward else a, 0.5 * (a + b), b + abs(b - a)])
-    if basis in (Basis.DECAY, Basis.RECIPROCAL, Basis.CAP):
+    if basis in (Basis.DECAY, Basis.RECIPROCAL):
         return np.concatenate([np.linspace(0.0, 5.0 * abs(a), samples), [1e6 * abs(a)]])
     reach = SCALES * abs(a)
     return np.linspace(0.0 if forward else -reach, reach, samples)

@@ -12,7 +12,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, frozen, read_only, shaped
 from slipmargin.errors import InputError
 from slipmargin.physics.constants import GRAVITY_M_S2
 from slipmargin.physics.friction_laws import ATAN
@@ -27,6 +27,14 @@ LIGHT_WHEEL = 0.001
 def _freeze(part: object, **shapes: tuple[int | None, ...]) -> None:
     for name, shape in shapes.items():
         object.__setattr__(part, name, frozen(name, getattr(part, name), shape))
+
+
+def _upper(bound: Array, shape: tuple[int | None, ...], place: str) -> Array:
+    """A read-only copy of upper bounds of each wheel, infinite where there is none."""
+    array = shaped(place, bound, shape)
+    if not np.all(array > 0.0):
+        raise InputError(place, "holds a bound that is not above 0", "give positive numbers, or infinity")
+    return read_only(array)
 
 
 @final
@@ -124,6 +132,9 @@ class Drives:
         inertia = self.wheel_inertia_kg_m2
         if inertia is not None and not 0.0 < inertia < np.inf:
             raise InputError("wheel_inertia_kg_m2", f"is {inertia:g}", "give a positive inertia [kg m²]")
+        if isinstance(self.stall_torque_N_m, np.ndarray):
+            stall = _upper(self.stall_torque_N_m, (None,), "stall_torque_N_m")
+            object.__setattr__(self, "stall_torque_N_m", stall)
 
     def stall_torques(self, count: int) -> Array:
         """(N,) torque of each wheel's motor at standstill [N m]; infinite where it is not known."""
@@ -145,10 +156,11 @@ class Drives:
 @final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ActuatorDynamics:
-    """From commanded to real wheel speed: τ ω̇_i = gain_i ω_cmd,i(t − delay) − droop_i T_i − ω_i.
+    """From commanded to real wheel speed: τ ω̇_i = min(gain_i ω_cmd,i(t − delay), top_i) − droop_i T_i − ω_i.
 
-    ``lag_s`` (N,) τ [s], ``gain`` (N,) [1], ``droop_rad_s_per_N_m`` (N,) speed lost per torque T_i
-    that the wheel delivers [rad/(s N m)], ``delay_s`` [s].  ``ramp_s2_per_rad`` is the time that ω_cmd,i
+    ``lag_s`` (N,) τ [s], ``gain`` (N,) [1], ``top_rad_s`` (N,) what a wheel reaches either way, infinite by
+    default [rad/s], ``droop_rad_s_per_N_m`` (N,) speed lost per torque T_i that the wheel delivers
+    [rad/(s N m)], ``delay_s`` [s].  ``ramp_s2_per_rad`` is the time that ω_cmd,i
     takes for a change of 1 rad/s, whatever is asked [s²/rad].  ``multipliers`` multiply it over
     COMMAND_SPEED or TIME.  They act only where wheel speeds are commanded, not where measured.  Where a
     droop or a motor's torque line makes a wheel answer to its load, one without lag follows ω̇_cmd too.
@@ -165,12 +177,15 @@ class ActuatorDynamics:
     ramp_s2_per_rad: float = 0.0
     multipliers: tuple[Multiplier, ...] = ()
     play_rad: Array = field(default_factory=lambda: np.zeros(0))
+    top_rad_s: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         n = len(np.asarray(self.lag_s))
-        if not len(self.play_rad):
-            object.__setattr__(self, "play_rad", np.zeros(n))
+        for name, none in (("play_rad", 0.0), ("top_rad_s", np.inf)):
+            if not len(getattr(self, name)):
+                object.__setattr__(self, name, np.full(n, none))
         _freeze(self, lag_s=(n,), gain=(n,), droop_rad_s_per_N_m=(n,), play_rad=(n,))
+        object.__setattr__(self, "top_rad_s", _upper(self.top_rad_s, (n,), "top_rad_s"))
 
     @staticmethod
     def none(count: int) -> ActuatorDynamics:

@@ -16,7 +16,7 @@ from slipmargin.errors import InputError
 from slipmargin.physics.variables import Basis, Frame, Target, Variable
 
 #: The families as plain numbers, for code that is compiled.
-CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD, STEP, LOBE, CAP = (int(b) for b in Basis)
+CONSTANT, POLYNOMIAL, FOURIER, HATS, DECAY, RECIPROCAL, WINDOW, ODD, STEP, LOBE = (int(b) for b in Basis)
 
 #: Variables that differ from wheel to wheel; forces, which act on the body, cannot use them.
 PER_WHEEL = frozenset(
@@ -72,8 +72,6 @@ def basis_function(basis: int, j: int, count: int, a: float, b: float, v: Any) -
         return 0.5 - 0.5 * np.tanh((v - a) / (2.0 * b))
     if basis == LOBE:
         return 1.0 / (1.0 + (np.sin(0.5 * (v - a)) / np.sin(0.25 * b)) ** 32)
-    if basis == CAP:
-        return a / np.maximum(np.abs(v), a) - 1.0
     return 1.0 + 0.0 * v
 
 
@@ -100,8 +98,6 @@ def basis_slope(basis: int, j: int, count: int, a: float, b: float, v: Any) -> A
     if basis == LOBE:
         far = np.sin(0.5 * (v - a)) / np.sin(0.25 * b)
         return -16.0 * far**31 * np.cos(0.5 * (v - a)) / np.sin(0.25 * b) / (1.0 + far**32) ** 2
-    if basis == CAP:
-        return -a / np.maximum(np.abs(v), a) ** 2 * (1.0 * (v >= a) - 1.0 * (v < -a))
     return 0.0 * v
 
 
@@ -141,8 +137,6 @@ def _constants(basis: Basis, shape: Array) -> Array:
         cure = "give a second number that is not 0"
     elif basis is Basis.DECAY and not (a > 0.0 and b > 0.0):
         cure = "give a scale and an exponent above 0"
-    elif basis is Basis.CAP and not a > 0.0:
-        cure = "give a first number above 0"
     elif basis in (Basis.HATS, Basis.WINDOW) and not a < b:
         cure = "give a second number that is larger than the first"
     elif basis is Basis.LOBE and not 0.0 < b < 4.0 * np.pi:

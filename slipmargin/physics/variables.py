@@ -55,7 +55,6 @@ class Basis(IntEnum):
     ODD = 7  #: (2/π) atan(v/a), then v|v|^(j−1) for j = 1, 2, …; a: speed scale
     STEP = 8  #: 1 far below a, 0 far above: (1 − tanh((v − a)/2b))/2; b: width of the edge
     LOBE = 9  #: 1/(1 + (sin((v − a)/2)/sin(b/4))³²): 1 over an arc b [rad] around the angle a, else 0
-    CAP = 10  #: a/max(|v|, a) − 1, by which a factor of v keeps it within ± a
 
 
 class Target(IntEnum):

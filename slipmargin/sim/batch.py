@@ -25,7 +25,7 @@ from slipmargin.sim.ramp import ramped
 from slipmargin.sim.sensitivity import beside, grow, growing
 from slipmargin.sim.signal import WheelSignal
 from slipmargin.sim.threads import spread
-from slipmargin.sim.wheels import follow, in_straight_parts
+from slipmargin.sim.wheels import begun, follow, in_straight_parts
 from slipmargin.work import WHEEL_STEPS, raised
 
 RTOL = 1e-6
@@ -264,13 +264,14 @@ class Batch:
             # Its own copy of the wheels: those that wobble are turned where they stand.
             row, (knots, coef, spin, push, times) = rows[which[r]].copy(), self._given[signal[r]]
             count = self.lengths[signal[r]]
-            tasks[r, TASK:] = spin
+            turning = begun(row, spin, knots[0])
+            tasks[r, TASK:] = turning
             if row[at.LAGGED] > 0.0:
                 if row[at.RAMP] > 0.0:
                     knots, coef = ramped(row, knots, coef, spin)
-                if row[at.COMMANDS] > 0.0:
+                if row[at.BENT] > 0.0:
                     knots, coef = in_straight_parts(row, knots, coef)
-                knots, coef = follow(row, knots, coef, spin)
+                knots, coef = follow(row, knots, coef, turning)
             if row[at.PLAYS] > 0.0:
                 knots, coef = taken_up(row, knots, coef)
             columns = probed(row, len(push) > 0)

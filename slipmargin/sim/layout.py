@@ -35,7 +35,7 @@ DRIVEN = 23  #: 1 where commanded wheel speeds are states (droop, torque–speed
 COMMANDS = 24  #: how many modulations of the commanded speed
 COMMANDS_AT = 25
 SLOWING = 26  #: 1 / no-load speed of the motor [s/rad], 0 where unknown
-LAGGED = 27  #: 1 where a command is not followed at once (lag, gain, delay, ramp, modulations)
+LAGGED = 27  #: 1 where a command is not followed at once (lag, gain, delay, ramp, modulations, a top speed)
 LAW = 28  #: the friction law's number (physics/friction_laws.py)
 LIFTED = 29  #: Σ of the loads at rest [N]
 EDGES = 30  #: how many instants at which a term over time jumps or kinks
@@ -46,7 +46,8 @@ RELIEFS_AT = 34
 BY_HUB = 35  #: 1 where friction depends on the hub's velocity in a way whose derivative is analytic
 BY_MOTION = 36  #: 1 where a force on the body depends on its velocity
 RAMP = 37  #: time that a drive's command takes for a change of a radian per second [s²/rad], 0 without
-HEAD = 38
+BENT = 38  #: 1 where a wheel's speed is not in proportion to its command (modulations, a top speed)
+HEAD = 39
 
 # --- a wheel ----------------------------------------------------------------------------------
 #: Sliding velocity along ĝ = the next four · (v_x, v_y, ω, wheel speed), of the centre of mass; likewise f̂.
@@ -89,7 +90,8 @@ MEAN_GRIP_Y = 35
 MEAN_FREE_X = 36
 MEAN_FREE_Y = 37
 STALL_TORQUE = 38  #: of its motor [N m], 0 where unknown
-WHEEL = 39
+TOP_SPEED = 39  #: that it reaches either way, commanded more [rad/s]; the largest number where unknown
+WHEEL = 40
 
 # --- a term -----------------------------------------------------------------------------------
 #: A modulation: variable, basis, target, count, shape a, shape b, place (3), N weights, count coefficients.

@@ -41,9 +41,7 @@ _HUB = frozenset({Variable.HUB_SPEED, Variable.PASSING_SPEED})
 #: Variables of the body's velocity; forces over them have analytic derivatives.
 _MOTION = frozenset({Variable.VELOCITY_X, Variable.VELOCITY_Y, Variable.YAW_RATE, Variable.SPEED})
 #: The bases whose coefficients all stand for one and the same function.
-_SINGLE = frozenset(
-    {Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE, Basis.CAP}
-)
+_SINGLE = frozenset({Basis.CONSTANT, Basis.DECAY, Basis.RECIPROCAL, Basis.WINDOW, Basis.STEP, Basis.LOBE})
 
 
 def pack(model: Model) -> Array:
@@ -163,12 +161,13 @@ def _fill(head: Array, model: Model) -> None:
     head[at.SLOWING] = 0.0 if top is None else 1.0 / top
     head[at.DRIVEN] = drives.stall_torque_N_m is not None or bool(np.any(transients.droop_rad_s_per_N_m))
     head[at.PLAYS] = bool(np.any(transients.play_rad))
+    head[at.BENT] = bool(transients.multipliers or np.any(transients.top_rad_s < np.inf))
     head[at.LAGGED] = bool(
         np.any(transients.lag_s)
         or np.any(transients.gain != 1.0)
         or transients.delay_s
         or transients.ramp_s2_per_rad
-        or transients.multipliers
+        or head[at.BENT]
     )
 
 
@@ -194,6 +193,7 @@ def _wheels(model: Model) -> Array:
     rows[:, at.STALL_TORQUE] = np.where(np.isfinite(stall), stall, 0.0)
     rows[:, at.LAG] = model.actuators.lag_s
     rows[:, at.GAIN] = model.actuators.gain
+    rows[:, at.TOP_SPEED] = np.nan_to_num(model.actuators.top_rad_s)
     rows[:, at.DROOP] = model.actuators.droop_rad_s_per_N_m
     rows[:, at.PLAY] = model.actuators.play_rad
     rows[:, [at.RUNOUT_COS, at.RUNOUT_SIN]] = c.runout

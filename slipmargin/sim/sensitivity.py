@@ -63,7 +63,7 @@ _HEAD = [
     at.EDGES,
     at.RELIEFS,
 ]
-_WHEEL = [at.LAG, at.GAIN, at.PLAY, at.PITCH, at.RIGID_SHARE]
+_WHEEL = [at.LAG, at.GAIN, at.TOP_SPEED, at.PLAY, at.PITCH, at.RIGID_SHARE]
 _SECTOR = [at.RIGID_SHARE, at.ROLLER_W, at.ROLLER_T, at.RIGID_W, at.RIGID_T]
 
 

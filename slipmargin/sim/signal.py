@@ -23,7 +23,8 @@ class WheelSignal:
     pieces : array (K, N, 4)
         Coefficients [rad, rad/s, rad/s², rad/s³] with τ since the piece's first knot.
     spin_rad_s : array (N,)
-        Wheel speed just before the first knot [rad/s]; only a lagging drive asks for it.
+        Speed that was commanded before the first knot, which wheels have followed [rad/s]; only a drive that
+        lags or is a state of its own asks for it.
     """
 
     knots_s: Array
@@ -70,7 +71,7 @@ def held(t_s: Array, omega: Array, *, end_s: float | None = None, theta0: Array 
 def linear(
     t_s: Array, omega: Array, *, theta0: Array | None = None, spin: Array | None = None
 ) -> WheelSignal:
-    """Wheel speeds (T, N) [rad/s] with straight lines between rows; ``spin`` (N,): speed before."""
+    """Wheel speeds (T, N) [rad/s] with straight lines between rows; ``spin`` (N,): commanded speed before."""
     t, om = _rows(t_s, omega, "omega")
     _enough(t)
     return _from_speed(t, om[:-1], np.diff(om, axis=0) / np.diff(t)[:, None], theta0, spin)

@@ -20,8 +20,8 @@ from slipmargin.sim import layout as at
 from slipmargin.sim.varying import series
 
 _H, _W, _TERM, _COUNT = at.HEAD, at.WHEEL, at.TERM, at.COUNT
-_LAG, _GAIN, _DELAY = at.LAG, at.GAIN, at.DELAY
-_DRIVEN, _CMDS, _CMDS_AT = at.DRIVEN, at.COMMANDS, at.COMMANDS_AT
+_LAG, _GAIN, _TOP, _DELAY = at.LAG, at.GAIN, at.TOP_SPEED, at.DELAY
+_DRIVEN, _BENT, _CMDS, _CMDS_AT = at.DRIVEN, at.BENT, at.COMMANDS, at.COMMANDS_AT
 _TIME = int(Variable.TIME)
 
 
@@ -59,6 +59,23 @@ def _command_factor(P: Any, i: int, t: float, speed: float) -> float:
     return factor
 
 
+@inner
+def _reached(P: Any, i: int, t: float, speed: float) -> float:
+    """Speed at which a wheel settles that is commanded one: modulations, gain and top speed in turn."""
+    most = P[_H + i * _W + _TOP]
+    settled = P[_H + i * _W + _GAIN] * _command_factor(P, i, t, speed) * speed
+    return float(min(max(settled, -most), most))
+
+
+@fast
+def begun(P: Any, commanded: Any, t: float) -> Any:
+    """(N,) speeds at which wheels turn that have followed a command (N,) long before time t [rad/s]."""
+    out = np.empty(len(commanded))
+    for i in range(len(commanded)):
+        out[i] = _reached(P, i, t, commanded[i])
+    return out
+
+
 #: A piece of a modulated command is halved until it is this near to the line between its ends, in angle
 #: [rad], or it is this short [s].
 _NEAR_RAD, _SHORT_S = 1e-5, 2e-4
@@ -68,9 +85,8 @@ _LOOKS, _LOOK_RAD_S = 3, 0.1
 
 @inner
 def _asked(P: Any, i: int, t: float, c: Any, x: float) -> float:
-    """What a wheel's modulated command asks at time x into a piece that begins at t [rad/s]."""
-    speed = turn(c, 0.0, x)[1]
-    return float(speed * _command_factor(P, i, t + x, speed))
+    """What a wheel's command asks of it at time x into a piece that begins at t [rad/s]."""
+    return float(_reached(P, i, t + x, turn(c, 0.0, x)[1]))
 
 
 @inner
@@ -119,11 +135,11 @@ def in_straight_parts(P: Any, knots: Any, coef: Any) -> tuple[Any, Any]:
 
 @fast
 def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
-    """Pieces of the wheels' real motion for commanded pieces: modulations, gain, delay, lag in turn.
+    """Pieces of the wheels' real motion for commanded ones: modulations, gain, top speed, delay, lag in turn.
 
-    ``start`` (N,): wheel speed before the first command acts [rad/s].  Modulations of the command are
-    taken at both ends of a piece and linear between (:func:`in_straight_parts`).  Driven wheels are states,
-    which lag by themselves: for them the pieces are what their loops are asked for.
+    ``start`` (N,): wheel speed before the first command acts [rad/s] (:func:`begun`).  What bends a command
+    is taken at both ends of a piece and linear between (:func:`in_straight_parts`).  Driven wheels are
+    states, which lag by themselves: for them the pieces are what their loops are asked for.
     """
     n, k = int(P[_COUNT]), len(knots) - 1
     late = 1 if P[_DELAY] > 0.0 else 0
@@ -146,17 +162,15 @@ def follow(P: Any, knots: Any, coef: Any, start: Any) -> tuple[Any, Any]:
             else:
                 m = j - late
                 a, b, c = coef[m, i, 1], 2.0 * coef[m, i, 2], 3.0 * coef[m, i, 3]
-                if P[_CMDS] > 0:
+                if P[_BENT] > 0.0:
                     d = knots[m + 1] - knots[m]
                     held = b == 0.0 and c == 0.0
                     last = a + d * (b + d * c)
-                    a = a * _command_factor(P, i, t[j], a)
-                    if held:
-                        b = 0.0
-                    else:
-                        last = last * _command_factor(P, i, t[j] + d, last)
-                        b, c = (last - a) / d, 0.0
-                a, b, c = gain * a, gain * b, gain * c
+                    a = _reached(P, i, t[j], a)
+                    if not held:
+                        b, c = (_reached(P, i, t[j] + d, last) - a) / d, 0.0
+                else:
+                    a, b, c = gain * a, gain * b, gain * c
             e = 0.0
             if lag > 0.0:
                 b, a = b - 2.0 * c * lag, a - (b - 2.0 * c * lag) * lag

@@ -140,8 +140,6 @@ def _functions(basis: Basis, shape: Array, count: int, v: float) -> Array:
     if basis is Basis.LOBE:
         half = (1.0 - np.cos(v - a)) / (1.0 - np.cos(0.5 * b))
         return np.full(count, 1.0 / (1.0 + np.power(half, 16.0)))
-    if basis is Basis.CAP:
-        return np.full(count, np.clip(v, -a, a) / v - 1.0 if v else 0.0)
     assert basis is Basis.STEP, basis
     return np.full(count, 1.0 / (1.0 + np.exp((v - a) / b)))
 
