@@ -218,6 +218,7 @@ def _pulls(
 ) -> NextRunResult:
     """Which pulls to make next: what a diagnosis of pulls says already."""
     from slipmargin.diagnosis.pull_diagnosis import diagnose_pulls, of_unused
+    from slipmargin.diagnosis.watch import cut_short
     from slipmargin.experiment.motions import reach_m
     from slipmargin.experiment.result import NextRuns
 
@@ -245,4 +246,5 @@ def _pulls(
         front_rad=data.recipe.robot.convention.front_rad,
         pulls=found.next_pulls,
     )
-    return NextRunResult(next_runs=made, warnings=(*of_unused(data), *warnings))
+    cut = cut_short(budget_s) if found.was_cut else ()
+    return NextRunResult(next_runs=made, warnings=(*cut, *of_unused(data), *warnings))

@@ -134,7 +134,7 @@ def contact_of(model: Model, robust: bool) -> tuple[Contact, tuple[str, ...]]:
 def held_wheels(model: Model) -> tuple[str, ...]:
     """A warning where grip bears more than the motors hold: limits of wheels that are held are no pushes."""
     g, given = model.geometry, model.drives.stall_torques(model.count)
-    bears = (model.grip.roller * abs(g.torque_arms()).T).sum(axis=1) * model.loads.rest_N
+    bears = model.grip_torques_N_m()
     first = int((bears / given).argmax())
     radius, stall = g.radius_m[first], given[first]
     if stall >= bears[first]:

@@ -90,12 +90,16 @@ class StopResult(Result):
         far = self.distance_m[:, -1]
         return int(np.argmax(far <= np.min(far) + _ALIKE_M))
 
+    @property
+    def farthest_m(self) -> float:
+        """The longest distance from the highest speed, planned or simulated."""
+        return float(np.nanmax([self.distance_m[:, -1], self.simulated_m[:, -1]]))
+
     def summary(self) -> str:
         """The longest stop from the highest speed."""
-        most = float(np.nanmax([self.distance_m[:, -1], self.simulated_m[:, -1]]))
         return (
             f"stop of {self.model.robot} on {self.model.surface}: from {self.speed_m_s[-1]:.4g} m/s at most "
-            f"{most:.4g} m and {np.max(self.time_s[:, -1]):.4g} s"
+            f"{self.farthest_m:.4g} m and {np.max(self.time_s[:, -1]):.4g} s"
         )
 
     def lines(self) -> list[str]:
@@ -103,8 +107,10 @@ class StopResult(Result):
         v = self.speed_m_s[-1]
 
         def told(name: str, h: int) -> str:
+            planned, driven = f"{self.distance_m[h, -1]:.4g}", f"{self.simulated_m[h, -1]:.4g}"
+            simulated = f" ({driven} m in simulation)" if driven not in (planned, "nan") else ""
             return (
-                f"{name:<9} {self.distance_m[h, -1]:.4g} m, {self.time_s[h, -1]:.4g} s from {v:.4g} m/s "
+                f"{name:<9} {planned} m{simulated}, {self.time_s[h, -1]:.4g} s from {v:.4g} m/s "
                 f"towards {np.rad2deg(self.heading_rad[h]):.0f}°: limited by {self.limited[h]}"
             )
 
@@ -154,7 +160,7 @@ class StopResult(Result):
             speed_m_s=self.speed_m_s,
             distance_m=self.distance_m,
             time_s=self.time_s,
-            simulated_m=self.simulated_m,
+            farthest_m=self.farthest_m,
             limited=self.limited,
             worst=self.longest,
             use=self.use,

@@ -59,8 +59,8 @@ class PullDiagnosis:
     neighbouring orientations), or "residual" (what the model found leaves of all pulls).
     ``phi_rad``, ``force_N``, ``before_N`` and ``after_N`` (P,): each pull as measured, and as expected by the
     model as believed and by models found without its setting.  ``found_in`` of ``folds`` searches without a
-    part of the settings found the same names.  chi of steps, leads and findings is the root of minus twice
-    the log likelihood of a pull in settings that a fit was not made to.
+    part of the settings found the same names; ``was_cut``: time ended a search.  chi of steps, leads and
+    findings is the root of minus twice the log likelihood of a pull in settings that a fit was not made to.
     """
 
     data_set: str
@@ -77,6 +77,7 @@ class PullDiagnosis:
     settings: int
     folds: int
     found_in: int
+    was_cut: bool
     phi_rad: Array
     force_N: Array
     before_N: Array
@@ -174,6 +175,7 @@ def diagnose_pulls(
         settings=len(problem.rows),
         folds=len(split),
         found_in=sum(n == own for n in names),
+        was_cut=was_cut,
         phi_rad=pulls.phi_rad,
         force_N=pulls.force_N,
         before_N=unseen.before_N,

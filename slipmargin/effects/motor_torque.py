@@ -15,10 +15,11 @@ from slipmargin.model.parts import Drives
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MotorTorque(WheelEffect):
-    """1/T_i ← 1/T_i + shortfall/T_g: T_i what a motor gives at standstill, T_g what a wheel's grip bears.
+    """1/T_i ← 1/T_i + shortfall/T_g: T_i what a motor gives at standstill.
 
-    T is ∞ where the robot file states no ``stall_torque_N_m``; T_g is the mean of μ_W N ρ over the wheels at
-    rest.  A motor that is asked for more gives what it has, and its wheel falls behind its command.
+    T is ∞ where the robot file states no ``stall_torque_N_m``; T_g is what the grip of such wheels bears at
+    rest, in their mean.  A motor that is asked for more gives what it has, and its wheel falls behind its
+    command.
     """
 
     name = "motor_torque"
@@ -48,7 +49,9 @@ class MotorTorque(WheelEffect):
         """Drives with less torque."""
         if self.shortfall == 0.0:
             return part
-        weaker = self.mask(nominal) * self.shortfall / _grip_torque_N_m(nominal)
+        weak = self.mask(nominal)
+        bears = float(np.average(nominal.grip_torques_N_m(), weights=weak))
+        weaker = weak * self.shortfall / bears
         with np.errstate(divide="ignore"):
             stall = 1.0 / (1.0 / part.stall_torques(nominal.count) + weaker)
         return replace(part, stall_torque_N_m=stall)
@@ -59,9 +62,3 @@ class MotorTorque(WheelEffect):
         if not np.isfinite(torque).all():
             return ()
         return (Quantity(name="stall_torque_N_m", value=float(torque.min()), unit="N m"),)
-
-
-def _grip_torque_N_m(model: Model) -> float:
-    """What the grip of a wheel bears, at rest and in the mean of all [N m]."""
-    each = model.grip.roller[:, 0] * model.loads.rest_N * model.geometry.radius_m
-    return float(np.mean(each))

@@ -53,6 +53,11 @@ class Model:
         """Mean distance of the wheels from the centre of mass [m], at which a yaw moment is a force."""
         return float(np.mean(np.hypot(*(self.geometry.position_m - self.inertia.com_m).T)))
 
+    def grip_torques_N_m(self) -> Array:
+        """(N,) torque about each wheel's axle with which it slides in both its directions, at rest [N m]."""
+        arms = np.abs(self.geometry.torque_arms()).T
+        return np.asarray(np.sum(self.grip.roller * arms, axis=1) * self.loads.rest_N)
+
     def wrench_maps(self) -> tuple[Array, Array]:
         """B_W and B_T of eqs (14)–(15), each (3, N), about the centre of mass, body frame.
 

@@ -15,8 +15,8 @@ from slipmargin.paths.path import Path
 from slipmargin.physics.frames import rotate_rows
 from slipmargin.physics.kinematics import com_acceleration
 
-#: A robot whose origin moves less than this per s turns on the spot [1].
-_ON_THE_SPOT = 1e-6
+#: A robot turns on the spot where its origin moves less than this share of what its wheels do [1].
+_ON_THE_SPOT = 0.1
 
 
 @final
@@ -66,10 +66,12 @@ class Geometry:
             s=s, fractions=fractions, pose=pose, first=first, second=second, twist=twist, push=push, bend=bend
         )
 
-    def floor_rates(self) -> Array:
-        """(2,) way over the floor per s at the path's start and end; 1 where the robot turns on the spot."""
-        rates = np.hypot(*self.first[[0, -1], [0, -1], :2].T)
-        return np.where(rates > _ON_THE_SPOT, rates, 1.0)
+    def floor_rates(self, reach_m: float) -> Array:
+        """(2,) way over the floor per s at start and end; the wheels' where the robot turns on the spot."""
+        ends = self.first[[0, -1], [0, -1]]
+        floor = np.hypot(*ends[:, :2].T)
+        wheels = np.hypot(floor, reach_m * ends[:, 2])
+        return np.where(floor > _ON_THE_SPOT * wheels, floor, wheels)
 
     def profile(self, reach_m: float, x: Array, highest: Array) -> Profile:
         """What ṡ² (n + 1,) are as speeds, for fractions 0, ½ and 1; wheels stand ``reach_m`` away."""

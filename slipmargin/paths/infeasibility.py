@@ -77,11 +77,11 @@ def _cure(model: Model, use: float, contact: Contact) -> str:
     return "turn the heading so that fewer wheels slide sideways, or lower the roller friction"
 
 
-def too_fast(speed_m_s: float, start: bool, most: float, geometry: Geometry) -> InputError:
+def too_fast(speed_m_s: float, start: bool, most: float, geometry: Geometry, reach_m: float) -> InputError:
     """The error for a start or end speed that the path does not allow; ``most`` is the largest ṡ² there."""
     place = "start speed" if start else "end speed"
     pose = geometry.pose[0, 0] if start else geometry.pose[-1, -1]
-    limit = rounded_down(float(np.sqrt(max(most, 0.0)) * geometry.floor_rates()[0 if start else 1]))
+    limit = rounded_down(float(np.sqrt(max(most, 0.0)) * geometry.floor_rates(reach_m)[0 if start else 1]))
     return InputError(
         place,
         f"is {speed_m_s:g} m/s at x {pose[0]:.4g} m, y {pose[1]:.4g} m, "

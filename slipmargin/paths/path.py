@@ -16,6 +16,8 @@ from slipmargin.paths.pieces import Jet, Piece, Quadratic, Spline, distance
 SMOOTH_RAD = 1e-6
 #: No robot drives so far [m] or turns so often [rad].
 FARTHEST = 1e6
+#: Coordinates on a map have up to 1e7 m; beyond this they would be rounded to more than 10 µm [m].
+_LARGEST = 1e10
 #: Corners sharper than this cannot be rounded by a spline [rad].
 SHARP_RAD = np.deg2rad(150.0)
 
@@ -178,7 +180,7 @@ def checked(waypoints: Array, arm: float, source: str) -> Array:
     for k, row in enumerate(points, 1):
         if not np.all(np.isfinite(row)):
             raise InputError(f"{source} {k}", f"is {tuple(row.tolist())}", "give finite numbers")
-        if np.max(np.abs(row)) > FARTHEST:
+        if np.max(np.abs(row - points[0])) > FARTHEST or np.max(np.abs(row)) > _LARGEST:
             raise InputError(f"{source} {k}", f"is {tuple(row.tolist())}", "give metres and radians")
     if len(points) < 2:
         raise InputError(source, f"{len(points)} waypoint is no path", "give at least two waypoints")

@@ -145,7 +145,7 @@ class _Work:
     ) -> None:
         self.model, self.request, self.grid, self.coarse, self.fine = model, request, grid, coarse, fine
         self.below = below  # a bound on ṡ, and the speed of the first guess; None where none is needed
-        rates = coarse.floor_rates()
+        rates = coarse.floor_rates(model.reach_m)
         self.ends = (float(request.start_m_s / rates[0]) ** 2, float(request.end_m_s / rates[1]) ** 2)  # ṡ²
         n = len(grid.step)
         self.grip, self.torque, self.speed, self.load = np.ones((4, n))
@@ -264,11 +264,11 @@ class _Work:
         found = passes(self.grid, w, start, end)
         if found.status == core.START:
             self.highest = found.highest
-            raise too_fast(r.start_m_s, True, float(self.ceiling()[0]), self.coarse)
+            raise too_fast(r.start_m_s, True, float(self.ceiling()[0]), self.coarse, self.model.reach_m)
         if found.status != core.OK:
             most = self._fastest_end(start) if end > 0.0 else 0.0
             if found.status == core.END or most > 0.0:
-                raise too_fast(r.end_m_s, False, most, self.coarse)
+                raise too_fast(r.end_m_s, False, most, self.coarse, self.model.reach_m)
             raise stuck(self.model, self.coarse, w, *found.conflict, r.share, r.contact)
         self.x, self.u, self.highest = found.x, found.u, found.highest
         self.passes += 1

@@ -13,6 +13,7 @@ from slipmargin.limits.motion_realised import SLOW_CREEP, settles_slowly
 from slipmargin.limits.motion_rows import CAUSES, TIPS
 from slipmargin.limits.uncertainty import SlipChance
 from slipmargin.limits.weakest_start import BRISK_M_S
+from slipmargin.model import Model
 from slipmargin.report.sweep import chance_line
 from slipmargin.report.text import ROWS, columns, degrees, left_out, thinned
 
@@ -57,7 +58,7 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
     lines.append(_isotropic(b))
     lines.append(
         f"recommended {b.recommended_m_s2:.4g} m/s² in any direction, slip margin {b.margin:g}"
-        + ("; the motors at half of their top speed allow no more" if b.motors_decide else "")
+        + (f"; {motors_then(b.model)} allow no more" if b.motors_decide else "")
     )
     lines.append(f"braking     {_span(full.braking_m_s2)}; turning at speed {_span(full.turning_m_s2)}")
     up, down = (_rate(v, "rad/s²") for v in (b.spin.starting_rad_s2, b.spin.braking_rad_s2))
@@ -75,6 +76,12 @@ def answer(b: Bounds, likely: SlipChance | None = None) -> list[str]:
             f"an even floor holds {np.min(b.even.starting_m_s2):.4g} m/s² in the weakest direction"
         )
     return lines + _sets(b)
+
+
+def motors_then(model: Model) -> str:
+    """What the motors of a robot are counted at where they decide."""
+    known = model.drives.max_speed_rad_s is not None
+    return "the motors at half of their top speed" if known else "the motors, whose top speed is not known,"
 
 
 def _rate(value: float, unit: str) -> str:

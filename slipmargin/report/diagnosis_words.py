@@ -137,7 +137,7 @@ def _named(finding: Finding, diagnosis: Diagnosis) -> str:
 
 def _short(label: str) -> str:
     """A candidate's label without the form of a general one, and with its wheel in words."""
-    return re.sub(r"\[(.*?)\]", r" of wheel \1", label.split(":", 1)[0])
+    return re.sub(r"\[(.*?)\]", r" of wheel \1", label.split(": ", 1)[0])
 
 
 def _first_lead(d: Diagnosis) -> str:

@@ -205,15 +205,20 @@ def choreo(found: SafeSets) -> str:
         for name, (value, unit) in values.items()
         if value is not None
     }
-    return json_text({"comment": "; ".join([*_stated(found), _swerve(found)]), "config": config})
+    said = [*_stated(found), _swerve(found)]
+    if vmax is not None:
+        said.append(
+            "vmax: what the robot drives in every direction, over the radius (angled rollers make wheels "
+            "turn faster than that)"
+        )
+    return json_text({"comment": "; ".join(said), "config": config})
 
 
 def _swerve(found: SafeSets) -> str:
     """What the friction coefficient of a tool for swerve drives stands for."""
     return (
         f"friction: with {_sets(found).coefficient:.4g}, all that modules in the wheels' places do is safe "
-        "for this robot, turning included; vmax: what the robot drives in every direction, over the radius "
-        "(angled rollers make wheels turn faster than that)"
+        "for this robot, turning included"
     )
 
 

@@ -9,7 +9,17 @@ from slipmargin.physics.convention import Convention
 from slipmargin.report.page import Fact, Image, Page, Picture, Table
 from slipmargin.report.result_page import result_page
 from slipmargin.report.text import two_digits
-from slipmargin.study.ideas import PLACE, QUESTIONS, START, WORTH, Idea, Place, Question, ranking
+from slipmargin.study.ideas import (
+    DRIVE,
+    PLACE,
+    QUESTIONS,
+    START,
+    WORTH,
+    Idea,
+    Place,
+    Question,
+    ranking,
+)
 
 
 def verdicts(ideas: Sequence[Idea]) -> list[tuple[str, str]]:
@@ -27,7 +37,7 @@ def _verdict(ideas: Sequence[Idea], question: Question) -> str:
     best = ideas[found.order[0]]
     value = best.values[question.key]
     if value <= 0.0:
-        return "no idea can: with each of them a wheel slips at constant speed already"
+        return f"no idea can: with each of them {_why_none(best, question)}"
     if found.alike == 1:
         after = _next(ideas, found.order, question)
         return f"{best.name} is best: {_with_unit(value, question)} {question.meaning}{after}"
@@ -46,10 +56,17 @@ def _next(ideas: Sequence[Idea], order: Sequence[int], question: Question) -> st
     first, second = (ideas[k].values[question.key] for k in order[:2])
     name = ideas[order[1]].name
     if second <= 0.0:
-        return f"; with {name} a wheel slips at constant speed already"
+        return f"; with {name} {_why_none(ideas[order[1]], question)}"
     if question.key == PLACE:
         return f"; {name} has {_number(second)} %"
     return f", {_percent(first / second)} more than {name}"
+
+
+def _why_none(idea: Idea, question: Question) -> str:
+    """Why an idea's value of a question is none."""
+    if question.key == DRIVE and idea.values[START] > 0.0:
+        return "the motors have no torque left at half of their top speed"
+    return "a wheel slips at constant speed already"
 
 
 def moves(ideas: Sequence[Idea]) -> list[str]:
@@ -109,7 +126,7 @@ def _cell(idea: Idea, question: Question) -> str:
     if not math.isfinite(value):
         return "none"
     if value <= 0.0:
-        return "slips"
+        return "no torque" if question.key == DRIVE and idea.values[START] > 0.0 else "slips"
     return _number(value) + (f" ± {two_digits(deviation)}" if deviation > 0.0 else "")
 
 

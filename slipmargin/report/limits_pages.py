@@ -90,7 +90,7 @@ def bounds_page(
 
 
 def _motors(b: Bounds) -> str:
-    return " at least; the motors, at half of their top speed, allow no more" if b.motors_decide else ""
+    return f" at least; {bounds_words.motors_then(b.model)} allow no more" if b.motors_decide else ""
 
 
 def _slipping(b: Bounds) -> str:

@@ -27,7 +27,7 @@ def stop_page(
     distance_m: Array,
     time_s: Array,
     limited: Sequence[str],
-    simulated_m: Array,
+    farthest_m: float,
     worst: int,
     use: Array,
     verified: bool,
@@ -39,12 +39,10 @@ def stop_page(
     warnings: Sequence[str],
 ) -> Page:
     """How long a stop is in every direction, and what to give the safety system."""
-    last = distance_m[:, -1]
-    longest = float(np.nanmax([last, simulated_m[:, -1]]))
     way = [towards(float(a)) for a in model.convention.from_front(heading_rad)]
     speed, simulated = speed_m_s[-1], bool(np.all(np.isfinite(use)))
     lead = (
-        f"{model.robot} on {model.surface} stops from {speed:.3g} m/s within {longest:.3g} m in every "
+        f"{model.robot} on {model.surface} stops from {speed:.3g} m/s within {farthest_m:.3g} m in every "
         f"direction, with {100.0 * margin:g} % of the grip in reserve."
     )
     if ended:
@@ -67,7 +65,7 @@ def stop_page(
         lead=lead,
         good=verified,
         facts=(
-            Fact(label="Longest stop", value=f"{last[worst]:.4g} m", note=way[worst]),
+            Fact(label="Longest stop", value=f"{farthest_m:.4g} m", note=way[worst]),
             Fact(label="It takes", value=f"{time_s[worst, -1]:.3g} s", note=f"from {speed:.3g} m/s"),
             Fact(label="Limited by", value=limited[worst], note="at the highest speed"),
             Fact(label="In simulation", value=used, note=f"{1.0 - margin:.3g} allowed"),
@@ -88,7 +86,7 @@ def stop_page(
             ),
         ),
         next_steps=(
-            f"Give a safety scanner {longest:.3g} m and the way driven while the robot reacts.",
+            f"Give a safety scanner {farthest_m:.3g} m and the way driven while the robot reacts.",
             "Let the robot brake like this: `slipmargin export c` writes the limiter that keeps the margin.",
             "Measure one stop and compare: friction decides, and it differs from floor to floor.",
         ),

@@ -31,7 +31,7 @@ _SIDEWAYS = 0.1
 _SHORT_LEVER = 0.9
 #: Above this speed of a wheel's rim a top speed was in turns per minute [m/s].
 _FAST_M_S = 8.0
-#: Below this fastest speed a motion's times were in milliseconds [m/s]: no robot is driven so slowly.
+#: Below this fastest speed a motion's times may be in milliseconds [m/s].
 _SLOW_M_S = 0.01
 #: Above this push over weight a torque was in other units: the strongest robots' motors push 5 times it [1].
 _STRONG = 10.0
@@ -197,19 +197,19 @@ def _motor(robot: Robot) -> list[str]:
     if robot.motor is None:
         return []
     speed, stall, _ = robot.motor.at_the_wheel()
-    torque = 0.0 if stall is None else stall
+    torque, stated = 0.0 if stall is None else stall, robot.motor.max_speed_rad_s
     rim = speed * max(w.radius_m for w in robot.wheels)
     said = []
     if rim > _FAST_M_S:
         said.append(
-            f"motor.max_speed_rad_s: {speed:.4g} rad/s moves a wheel's rim at {rim:.3g} m/s; if it is in "
-            f"turns per minute, write {speed * math.pi / 30.0:.4g}"
+            f"motor.max_speed_rad_s: {stated:.4g} rad/s moves a wheel's rim at {rim:.3g} m/s; if it is in "
+            f"turns per minute, write {stated * math.pi / 30.0:.4g}"
         )
     push = sum(torque / w.radius_m for w in robot.wheels) / (robot.body.mass_kg * GRAVITY_M_S2)
     if push > _STRONG:
         said.append(
-            f"motor.stall_torque_N_m: {torque:.4g} N m at each wheel push {push:.3g} times the robot's "
-            "weight; give N m: kg cm times 0.0981, oz in times 0.00706"
+            f"motor.stall_torque_N_m: {robot.motor.stall_torque_N_m:.4g} N m push with {push:.3g} times the "
+            "robot's weight; give N m: kg cm times 0.0981, oz in times 0.00706"
         )
     return said
 

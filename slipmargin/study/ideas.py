@@ -50,7 +50,7 @@ class Question:
     meaning: str
 
 
-START, DRIVE, PLACE = "start_worst_m_s2", "recommended_m_s2", "place_share"
+START, DRIVE, PLACE = "start_worst_m_s2", "drive_worst_m_s2", "place_share"
 QUESTIONS = (
     Question(key=START, word="starting", unit="m/s²", meaning="in the weakest direction"),
     Question(
