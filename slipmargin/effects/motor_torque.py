@@ -17,8 +17,8 @@ from slipmargin.model.parts import Drives
 class MotorTorque(WheelEffect):
     """1/T_i ← 1/T_i + shortfall/T_g: T_i what a motor gives at standstill.
 
-    T is ∞ where the robot file states no ``stall_torque_N_m``; T_g is what the grip of such wheels bears at
-    rest, in their mean.  A motor that is asked for more gives what it has, and its wheel falls behind its
+    T is ∞ where the robot file states no ``stall_torque_N_m``; T_g is what the grip of a wheel bears at rest,
+    in the mean of all.  A motor that is asked for more gives what it has, and its wheel falls behind its
     command.
     """
 
@@ -35,7 +35,7 @@ class MotorTorque(WheelEffect):
             (0.0, 0.0, 20.0),
             0.1,
             "0: no less than the robot file says; where that states no torque, above 1 a motor gives way "
-            "before its wheel slips",
+            "before a wheel slips that bears the mean load",
             starts=(1.05, 1.3, 2.0, 4.0, 1.12, 1.6),
         ),
     )
@@ -49,9 +49,7 @@ class MotorTorque(WheelEffect):
         """Drives with less torque."""
         if self.shortfall == 0.0:
             return part
-        weak = self.mask(nominal)
-        bears = float(np.average(nominal.grip_torques_N_m(), weights=weak))
-        weaker = weak * self.shortfall / bears
+        weaker = self.mask(nominal) * self.shortfall / float(np.mean(nominal.grip_torques_N_m()))
         with np.errstate(divide="ignore"):
             stall = 1.0 / (1.0 / part.stall_torques(nominal.count) + weaker)
         return replace(part, stall_torque_N_m=stall)
