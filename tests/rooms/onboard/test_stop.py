@@ -125,3 +125,13 @@ def test_the_speed_that_is_said_to_be_possible_is() -> None:
         sm.stop(rough, "floor", speeds_m_s=[1.0], step_deg=30.0)
     most = float(re.search(r"ask for ([\d.]+) m/s", str(refused.value))[1])  # type: ignore[index]
     assert sm.stop(rough, "floor", speeds_m_s=[most], step_deg=30.0, verify=False).distance_m.max() > 0.0
+
+
+def test_every_sentence_gives_the_longest_stop_that_was_seen() -> None:
+    """The command printed the planned distance where its summary had the simulated one."""
+    found = sm.stop("ohio-kiwi", "paper", speeds_m_s=[0.5], step_deg=45.0)
+    longest = f"{found.farthest_m:.4g} m"
+    assert found.farthest_m == np.max(found.simulated_m) > np.max(found.distance_m)
+    assert longest in found.summary() and f"({longest} in simulation)" in found.lines()[0]
+    page = " ".join(re.sub(r"<[^>]*>", " ", found.page_text(None).replace("\xa0", " ")).split())
+    assert f"Longest stop {longest}" in page

@@ -115,3 +115,9 @@ def test_kinks_say_which_and_offer_blending() -> None:
         line([0, 0, 0], [0, 0, 0], ARM)
     with pytest.raises(InputError, match="has no length"):
         arc([0, 0, 0], [0, 0], 1.0, 0.0, ARM)
+
+
+def test_a_path_may_lie_where_a_map_puts_it() -> None:
+    """Northings of most of the world are beyond 1e6 m: they were said to be no metres."""
+    far = np.array([500000.0, 5400000.0, 0.0])
+    assert through(WAY + far).length == pytest.approx(through(WAY).length, rel=1e-8)

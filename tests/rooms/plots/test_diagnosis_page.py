@@ -193,6 +193,15 @@ def test_unexplained_leads_on() -> None:
     assert "follows no measured variable significantly" in bare
     unproved = diagnosis(Verdict.UNEXPLAINED, leads=(lead(source=LeadSource.FIT),))
     assert "First to look at, without proof: the place on the floor" in words.verdict_sentence(unproved)
+    held = diagnosis(Verdict.UNEXPLAINED, leads=(lead(source=LeadSource.BORNE_OUT),))
+    told = words.verdict_sentence(held)
+    assert (
+        "over the place on the floor holds on runs that it has not seen" in told
+        and "no correction" not in told
+    )
+    page = " ".join(read(text_of(held)).text)
+    (tried,) = re.findall(r"not borne out by unseen runs: ([^.]*)\.", page)
+    assert words.VARIABLES[Trace.POSITION] not in tried and words.VARIABLES[Trace.CONSTANT_FORCE] in tried
 
 
 def test_a_lead_that_chance_may_have_made_is_not_what_the_residual_follows() -> None:
@@ -212,15 +221,6 @@ def test_a_finding_on_one_wheel_says_which() -> None:
     )
     d = diagnosis(Verdict.EFFECT_FOUND, findings=(form,))
     assert "The model lacks unnamed_wheel: friction of wheel left" in words.verdict_sentence(d)
-    held = diagnosis(Verdict.UNEXPLAINED, leads=(lead(source=LeadSource.BORNE_OUT),))
-    told = words.verdict_sentence(held)
-    assert (
-        "over the place on the floor holds on runs that it has not seen" in told
-        and "no correction" not in told
-    )
-    page = " ".join(read(text_of(held)).text)
-    (tried,) = re.findall(r"not borne out by unseen runs: ([^.]*)\.", page)
-    assert words.VARIABLES[Trace.POSITION] not in tried and words.VARIABLES[Trace.CONSTANT_FORCE] in tried
 
 
 def test_what_stands_out_near_the_noise_leads_on() -> None:

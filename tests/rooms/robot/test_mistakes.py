@@ -154,3 +154,11 @@ def test_a_car_that_drives_sideways_is_asked_for_its_convention() -> None:
         'wheel: every mecanum wheel drives to the side, as convention = "paper" has +x to the right and +y '
         'forwards; write convention = "ros" if +x is forwards in this file'
     )
+
+
+def test_a_motor_is_told_in_the_numbers_of_its_file() -> None:
+    """At twice its nominal voltage the hint gave twice the file's number, and a cure twice too large."""
+    robot = read_recipe("mecanum4").robot
+    fast = Motor(max_speed_rad_s=300.0, stall_torque_N_m=12.0, nominal_voltage_V=12.0, supply_voltage_V=24.0)
+    said = " ".join(unlikely(replace(robot, motor=fast)))
+    assert "max_speed_rad_s: 300 rad/s" in said and "write 31.42" in said and "12 N m push" in said

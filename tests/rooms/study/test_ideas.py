@@ -134,3 +134,14 @@ def test_what_cannot_be_compared_is_refused_in_one_line(
 def test_one_robot_is_nothing_to_compare() -> None:
     with pytest.raises(InputError, match="give 2 to 12 robots"):
         sm.compare(["mecanum4"], "floor")
+
+
+def test_motors_without_torque_left_are_not_called_slip() -> None:
+    """At half of their top speed weak motors have nothing left: it said that a wheel slips."""
+    strong = sm.read_robot("mecanum4").robot
+    assert strong.motor is not None
+    weak = replace(strong, name="weak", motor=replace(strong.motor, stall_torque_N_m=0.12))
+    found = sm.compare([strong, weak], "floor")
+    (said,) = (line for line in found.lines() if line.startswith("driving"))
+    assert "with weak the motors have no torque left at half of their top speed" in said
+    assert not any("slips at constant speed" in line for line in found.lines())
