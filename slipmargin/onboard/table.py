@@ -364,8 +364,12 @@ def _external(model: Model, motion: Motion) -> tuple[Array, Array, Array, Array,
 
 
 def steady_warnings(model: Model, margin: float) -> tuple[str, ...]:
-    """What to say where constant speed alone uses more than the margin leaves, or creep settles slowly."""
+    """What to say of creep that settles slowly, unequal motors, and constant speed that uses the reserve."""
     slow = (f"creep: {SLOW_CREEP}",) if settles_slowly(model) else ()
+    weakest = model.drives.weakest_N_m
+    if weakest is not None and np.any(model.drives.stall_torques(model.count) > weakest):
+        said = f"motors: the limiter counts every motor as the weakest, {weakest:.3g} N m at standstill"
+        slow = (*slow, said)
     heading = np.deg2rad(np.arange(0.0, 360.0, 5.0))
     way = ahead_of(heading)
     steady = steady_share(model, Motion.full_drag(way))

@@ -12,7 +12,6 @@ from planting import smooth_kiwi
 import slipmargin as sm
 from slipmargin.effects.motor_torque import MotorTorque
 from slipmargin.limits.bounds import directions
-from slipmargin.onboard.table import limit_table
 from slipmargin.paths.path import through
 from slipmargin.paths.plan import Request, plan
 from slipmargin.paths.sample import trajectory
@@ -54,9 +53,17 @@ def test_one_weak_motor_counts_where_its_wheel_works() -> None:
     assert bold.drift_m > 10.0 * sound.drift_m
 
 
-def test_a_limiter_takes_the_weakest_motor() -> None:
-    model = smooth_kiwi().with_effects(MotorTorque(shortfall=2.0, wheels=("2",))).build("paper")
-    assert limit_table(model, 0.1).stall_torque_N_m == model.drives.weakest_N_m
+def test_a_limiter_takes_every_motor_as_the_weakest_and_says_so() -> None:
+    """One weak motor halved what the limiter allowed across its wheel too, without a word."""
+    recipe = smooth_kiwi()
+    one, every = (recipe.with_effects(MotorTorque(shortfall=2.0, wheels=on)) for on in (("2",), ()))
+    limiters = [sm.Limiter(robot, "paper") for robot in (one, every)]
+    ways = 0.5 * np.column_stack([np.cos(np.arange(8.0)), np.sin(np.arange(8.0)), np.zeros(8)])
+    weak, all_weak = (x.limit_twist(np.zeros((8, 3)), ways, 0.02)[0] for x in limiters)
+    np.testing.assert_allclose(weak, all_weak, rtol=1e-9)
+    said = [[w for w in x.warnings if "as the weakest" in w] for x in limiters]
+    assert len(said[0]) == 1 and f"{one.build('paper').drives.weakest_N_m:.3g} N m" in said[0][0]
+    assert not said[1]
 
 
 def test_a_simulator_gets_a_torque_whose_speed_is_not_known() -> None:
