@@ -268,7 +268,8 @@ class SearchSettings:
     #: [1] … and are at least this share of the wheels' mean speeds in that time: from rest all slides.
     start_pace: float = 0.5
     #: [1] A robot whose commands alone are known moves from the start if its first speed is this share of its
-    #: mean speed then: from rest it is 0.6 at most, with a pose each 0.05 s and no lag; in motion 0.9 to 1.2.
+    #: mean speed then: from rest it was 0.6 at most, and 0.83 where a wheel's top speed is soon reached; in
+    #: motion 0.9 to 1.2.
     start_share: float = 0.75
     #: [s] A part of a run that was cut at an event is kept if it is as long as this.
     least_part_s: float = 0.4

@@ -91,8 +91,7 @@ def _rough(trial: Trial, full: WheelSignal) -> WheelSignal:
     omega = 0.5 * (np.vstack([after[:1], ends]) + np.vstack([after, ends[-1:]]))
     noise = _trust(t, theta, omega)
     same = max(_ROUGHLY[0], noise[0]), max(_ROUGHLY[1], noise[1])
-    made = _thinned(t, theta, omega, same)
-    return replace(made, spin_rad_s=full.spin_rad_s)
+    return _thinned(t, theta, omega, same)
 
 
 #: A sample is left out where the cubic through its neighbours meets it this closely [rad], [rad/s] …

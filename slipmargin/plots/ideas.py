@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from slipmargin.plots.style import BLUE, GREY, INK, styled
-from slipmargin.study.ideas import DRIVE, QUESTIONS, START, Idea, Ranking, ranking
+from slipmargin.study.ideas import QUESTIONS, Idea, Ranking, lacks_torque, ranking
 
 #: Size of a panel without its bars, and what a bar adds [inches].
 WIDE, HIGH, A_BAR = 5.0, 0.75, 0.32
@@ -65,8 +65,8 @@ def _bars(axes: Axes, ideas: Sequence[Idea], found: Ranking) -> None:
         axes.barh(k, max(value, 0.0), height=0.62, color=BLUE if k in best and value > 0.0 else GREY)
         if spread > 0.0:
             axes.plot([max(value - spread, 0.0), value + spread], [k, k], color=INK, lw=1.4)
-        none = " no torque left" if question.key == DRIVE and idea.values[START] > 0.0 else None
-        words = f" {value:.3g}" if value > 0.0 else none or " slips at constant speed"
+        why = "no torque left" if lacks_torque(idea, question) else "slips at constant speed"
+        words = f" {value:.3g}" if value > 0.0 else f" {why}"
         axes.text(max(value, 0.0) + spread, k, words, va="center", color=INK, fontsize=8.5)
     axes.set(
         yticks=range(len(ideas)),

@@ -10,7 +10,6 @@ from slipmargin.report.page import Fact, Image, Page, Picture, Table
 from slipmargin.report.result_page import result_page
 from slipmargin.report.text import two_digits
 from slipmargin.study.ideas import (
-    DRIVE,
     PLACE,
     QUESTIONS,
     START,
@@ -18,6 +17,7 @@ from slipmargin.study.ideas import (
     Idea,
     Place,
     Question,
+    lacks_torque,
     ranking,
 )
 
@@ -64,7 +64,7 @@ def _next(ideas: Sequence[Idea], order: Sequence[int], question: Question) -> st
 
 def _why_none(idea: Idea, question: Question) -> str:
     """Why an idea's value of a question is none."""
-    if question.key == DRIVE and idea.values[START] > 0.0:
+    if lacks_torque(idea, question):
         return "the motors have no torque left at half of their top speed"
     return "a wheel slips at constant speed already"
 
@@ -126,7 +126,7 @@ def _cell(idea: Idea, question: Question) -> str:
     if not math.isfinite(value):
         return "none"
     if value <= 0.0:
-        return "no torque" if question.key == DRIVE and idea.values[START] > 0.0 else "slips"
+        return "no torque" if lacks_torque(idea, question) else "slips"
     return _number(value) + (f" ± {two_digits(deviation)}" if deviation > 0.0 else "")
 
 

@@ -182,6 +182,11 @@ def _spread(one: Idea, other: Idea, key: str) -> float:
     )
 
 
+def lacks_torque(idea: Idea, question: Question) -> bool:
+    """Whether motors without torque left are why it has no value: a robot that can start does not slip."""
+    return question.key == DRIVE and idea.values[DRIVE] <= 0.0 < idea.values[START]
+
+
 def _values(designs: Sequence[RobotOnSurface]) -> list[dict[str, float]]:
     """Values of every question but that of the battery."""
     pull = static_columns(designs, names=["f_worst"])[0]["f_worst"]
