@@ -45,6 +45,9 @@ class Ranges:
 #: Standard deviations of the Gaussian prior [scales]: of the difference between neighbours of a polygon,
 #: and of every coefficient.  They matter only where no trial has been.
 _NEIGHBOURS, _LARGEST = 5.0, 30.0
+#: The least factor of a steepness [1] that one term makes: with none the contact holds nothing, and a fit
+#: that gets there moves no more.  A term that fades makes it no larger than twice by the same bound.
+_LEAST_STIFFNESS = 0.05
 
 
 def prior_rows(blocks: Sequence[tuple[Basis, int]]) -> Array:
@@ -69,6 +72,7 @@ def spread(
     bound: Array,
     terms: Callable[[Array], Sequence[Term]],
     prior: Array | None = None,
+    low: Array | None = None,
 ) -> Candidate:
     """A general form: a free coefficient for each number of ``scale``, doing nothing at zero."""
     size = len(scale)
@@ -81,7 +85,7 @@ def spread(
         units=("1",) * size,
         null=np.zeros(size),
         scale=scale,
-        low=-bound,
+        low=-bound if low is None else low,
         high=bound,
         starts=np.zeros((1, size)),
         prior=prior_rows([(Basis.CONSTANT, size)]) if prior is None else prior,
@@ -119,7 +123,11 @@ def friction(
         return made
 
     prior = prior_rows([(row[1], row[3]) for row in rows])
-    return spread(trace, label, Part.GRIP, np.full(size, 0.1), np.full(size, bound), terms, prior)
+    low, high = np.full(size, -bound), np.full(size, bound)
+    stiff = np.repeat([row[4] >= Target.STIFFNESS for row in rows], [row[3] for row in rows])
+    fades = np.repeat([row[1] is Basis.DECAY for row in rows], [row[3] for row in rows])
+    low[stiff], high[stiff & fades] = _LEAST_STIFFNESS - 1.0, 1.0 - _LEAST_STIFFNESS
+    return spread(trace, label, Part.GRIP, np.full(size, 0.1), high, terms, prior, low)
 
 
 def forces(

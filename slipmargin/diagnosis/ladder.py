@@ -92,13 +92,30 @@ def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch
     left, taken = SETTINGS.others, rounds[0].best
     for other in rounds[0].tried:
         if not left or progress.expired:
-            return
+            break
         passed_over = taken is not None and other.named and other.chi < taken.chi
         kind = other.last.thing if passed_over else (other.last.trace, other.last.named)
         if len(other.structure) == 1 and kind not in asked and other.chi < rounds[0].before.chi:
             asked.add(kind)
             left -= 1
             yield _fitted_to_seen(court, other)
+    yield from _beside_others(court, rounds, progress)
+
+
+def _beside_others(court: Court, rounds: list[Round], progress: Watch) -> Iterator[State]:
+    """What the search finds beside a first effect of another variable than the one it went on from.
+
+    Which of several that take off much is meant may show only beside a second one.
+    """
+    for other in rounds[0].of_other_variables():
+        own = [court.runs[i] for i in other.fit.trials]
+        start = longer(court.problem, other, own)
+        if progress.expired or not worthwhile(start, SETTINGS.floor_chi):
+            continue
+        beside = progress.staged(f"beside {other.last.label}")
+        step = take_step(start, own, candidates_of(rounds), court.seed, beside)
+        if step.taken and step.best is not None:
+            yield _fitted_to_seen(court, longer(court.problem, step.best, own))
 
 
 def _fitted_to_seen(court: Court, found: State) -> State:

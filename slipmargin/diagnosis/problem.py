@@ -32,7 +32,7 @@ from slipmargin.effects.recipe import with_effects
 from slipmargin.errors import InputError
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.frames import rotate_rows
-from slipmargin.sim.batch import Batch, Outcome
+from slipmargin.sim.batch import Batch, Ending, Outcome
 from slipmargin.sim.pack import pack, stack
 from slipmargin.sim.signal import WheelSignal, angles_at
 
@@ -210,11 +210,20 @@ class Problem:
         for clock in np.unique(clocks):
             part = np.flatnonzero(clocks == clock)
             model, run = cases[part].T
-            pose[part] = self.simulated(float(clock), rows, run, which=model).pose
+            pose[part] = self._told(float(clock), rows, run, model)
         pose = pose[back.ravel()]
         for k, model_k in enumerate(models):
             self.sense(model_k, np.flatnonzero(which == k), runs, pose)
         return pose
+
+    def _told(self, clock: float, rows: Array, runs: Index, which: Index) -> Array:
+        """Pose (K, T, 3) of packed models in runs; of those that take too many steps more coarsely."""
+        found = self.simulated(clock, rows, runs, which=which)
+        long = np.flatnonzero(found.ending == Ending.TOO_LONG)
+        if len(long) and self.rtol < _RTOL[1]:
+            coarser = replace(self, rtol=min(10.0 * self.rtol, _RTOL[1]))
+            found.pose[long] = coarser._told(clock, rows, runs[long], which[long])
+        return found.pose
 
     def simulated(self, clock: float, rows: Array, runs: Index, **more: Any) -> Outcome:
         """Packed models ``rows`` simulated in runs, on a clock."""

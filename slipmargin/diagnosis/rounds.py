@@ -87,9 +87,22 @@ class Round:
         first = None if best.named else next(named, None)
         found: dict[Trace, State] = {} if first is None else {first.last.trace: first}
         for state in self._of_its_size(best):
-            found.setdefault(state.last.trace, state)
+            if state.named:
+                found.setdefault(state.last.trace, state)
         if best.named:
             found.pop(best.last.trace, None)
+        return list(found.values())[: SETTINGS.followed]
+
+    def of_other_variables(self) -> list[State]:
+        """The best single candidate of each variable but that of the best one, named or not, with the same
+        least share."""
+        if self.best is None:
+            return []
+        found: dict[Trace, State] = {}
+        known = {c.trace for c in self.best.structure}
+        for state in self._of_its_size(self.best):
+            if self.single(state) and state.last.trace not in known:
+                found.setdefault(state.last.trace, state)
         return list(found.values())[: SETTINGS.followed]
 
     def part_alone(self) -> list[State]:
@@ -109,14 +122,14 @@ class Round:
         own = self.with_alone(known)
         found: dict[Trace, State] = {}
         for state in [] if own is None else self._of_its_size(own):
-            if self.single(state) and state.last.trace != known.trace:
+            if state.named and self.single(state) and state.last.trace != known.trace:
                 found.setdefault(state.last.trace, state)
         return list(found.values())
 
     def _of_its_size(self, one: State) -> list[State]:
-        """The other names that take off at least a share of what one state does."""
+        """The others that take off at least a share of what one state does."""
         before, least = self.before, SETTINGS.followed_share * (self.before.chi - one.chi)
-        others = (s for s in self.tried if s.named and s is not one and worthwhile(before, s.chi))
+        others = (s for s in self.tried if s is not one and worthwhile(before, s.chi, s.last.named))
         return [s for s in others if before.chi - s.chi >= least]
 
 

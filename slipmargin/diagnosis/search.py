@@ -248,10 +248,11 @@ def take_step(
     base = before.fit
     screening = screened(before, runs, candidates, seed, progress)
     nothing = Round(before=before, screening=screening, tried=(), best=None, taken=False)
-    promised = np.sqrt(max(0.0, 1.0 - max((e.gain for e in screening.entries), default=0.0) / base.cost))
-    worth = (
-        worthwhile(before, promised * before.chi) and screening.p_value(1.0 - promised**2) <= SETTINGS.level
-    )
+    share = max((e.gain for e in screening.entries), default=0.0) / base.cost
+    # Beside a form more is asked for than what tangents of friction that sticks promise.
+    most = share if before.named else share / SETTINGS.tangents_promise
+    promised = float(np.sqrt(max(0.0, 1.0 - most)))
+    worth = worthwhile(before, promised * before.chi) and screening.p_value(share) <= SETTINGS.level
     if not worth and (before.structure or before.chi <= SETTINGS.noise_chi):
         return nothing
 
@@ -280,14 +281,14 @@ def take_step(
         tried = _fitted_in_turn(before, [*names, *forms], tried, runs, progress)
         best = choose(tried, before)
     named = [s for s in tried if s.named]  # far above the noise a form takes up much that no name does
-    if named and before.view.piece is not None and not worthwhile(before, best.chi, named=best.named):
+    if named and before.view.piece is not None and not worthwhile(before, best.chi, named=best.last.named):
         best = choose(named, before)
     return Round(
         before=before,
         screening=screening,
         tried=tuple(tried),
         best=best,
-        taken=worthwhile(before, best.chi, named=best.named)
+        taken=worthwhile(before, best.chi, named=best.last.named)
         and screening.p_value(explained(before, best)) <= SETTINGS.significance,
     )
 

@@ -120,9 +120,12 @@ class SearchSettings:
     #: [1] Share of chi that a further effect must take off: what the first leaves is also its form's fault.
     #: In more runs than are searched it falls with the root of their number, as the spread of a mean does.
     later_effect: float = 0.1
-    #: [1] To this share a further effect must bring chi where one of the two has no name: a general form is
-    #: only approximate, and what it leaves must not be given names.
-    with_unnamed: float = 0.5
+    #: [1] Share of the mean square beyond the noise that a further effect must take off where one of the two
+    #: has no name: a general form is only approximate, and what it leaves must not be given names.
+    with_unnamed: float = 0.75
+    #: [1] Tangents promise about this share of what a fit takes off: friction that sticks answers small steps
+    #: less than large ones.  Beside a form an effect is fitted if that much more would be worth having.
+    tangents_promise: float = 0.7
     #: [effects] More than this many were never borne out by ten runs.  All of a larger set may bear more.
     most_effects: int = 4
     #: [1] Two runs drive alike if their wheels turn in the same proportions: the cosine of 8°.

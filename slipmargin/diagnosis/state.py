@@ -14,7 +14,7 @@ from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.held_out import errors_of
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.diagnosis.verdict import beyond_noise
+from slipmargin.diagnosis.verdict import beyond_noise, explained_share
 from slipmargin.effects.catalogue import CATALOGUE
 
 
@@ -89,7 +89,11 @@ def choose(tried: Sequence[State], before: State | None = None) -> State:
         s
         for s in tried
         if as_good(s, tried[0])
-        or (before is not None and _leaves_noise_alone(s, tried[0]) and worthwhile(before, s.chi, s.named))
+        or (
+            before is not None
+            and _leaves_noise_alone(s, tried[0])
+            and worthwhile(before, s.chi, s.last.named)
+        )
     ]
     chosen = min(good, key=lambda s: (*_kind(s), s.chi))
     while len((simpler := _simpler(chosen, good)).fit.x) < len(chosen.fit.x):
@@ -206,8 +210,9 @@ def worthwhile(before: State, chi: float, named: bool = True) -> bool:
     """Whether chi falls by more than what the log's reconstruction, or an unnamed form, may leave."""
     if chi >= before.chi:
         return False
-    if before.structure and not (named and before.named):
-        return chi <= SETTINGS.with_unnamed * before.chi
+    if before.structure and not (named and before.named):  # chi below 1 is noise that a form took up
+        clear = before.chi > SETTINGS.noise_chi
+        return clear and explained_share(before.chi, max(1.0, chi)) >= SETTINGS.with_unnamed
     share = later_share(len(before.scores)) if before.structure else SETTINGS.first_effect
     floor = SETTINGS.floor_chi if before.chi >= 1.0 else 0.0  # below 1 the noise was read too large
     return before.chi - max(chi, floor) >= max(SETTINGS.least_chi, share * before.chi)

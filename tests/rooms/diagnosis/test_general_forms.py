@@ -10,7 +10,7 @@ from slipmargin.diagnosis.forms import Ranges
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.effects import GeneralEffect
 from slipmargin.physics.terms import Multiplier, basis_values
-from slipmargin.physics.variables import Variable
+from slipmargin.physics.variables import Target, Variable
 
 DURATION_S = 4.0
 RANGES = Ranges(
@@ -40,3 +40,18 @@ def test_two_numbers_follow_friction_that_settles_soon_or_late(time_s: float) ->
     share, *_ = np.linalg.lstsq(matrix, fade, rcond=None)
     np.testing.assert_allclose(matrix @ share, fade, atol=0.12)
     assert np.abs(matrix[0]).max() == 0.0, "a run begins with the friction of the file"
+
+
+def test_no_form_takes_all_steepness_away() -> None:
+    """A steepness that fell to nothing at speed held nothing: fits stopped there, runs went anywhere."""
+    forms = general_candidates(smooth_kiwi().build("paper"), RANGES, False)
+    seen, v = 0, np.linspace(0.0, 10.0, 200)
+    for form in forms:
+        for x in (form.low, form.high):
+            effect = form.build(x)
+            assert isinstance(effect, GeneralEffect)
+            for term in effect.terms:
+                if isinstance(term, Multiplier) and term.target >= Target.STIFFNESS:
+                    seen += 1
+                    assert term.factor(v).min() >= 0.05 - 1e-12
+    assert seen >= 10

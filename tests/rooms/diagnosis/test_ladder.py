@@ -243,6 +243,28 @@ def test_a_name_that_gave_way_where_the_search_has_stood_is_not_lost(
     assert found.after.chi() < 1.15
 
 
+def test_where_nothing_holds_the_search_stands_beside_other_first_effects(
+    court: Court, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 1.9516 and 1.9524 it took the first, which failed; only beside the other showed what was meant."""
+    wrong, both = proposed(court, "camera_scale"), proposed(court, "wheel_loads", "camera_delay")
+    nothing = Screening(entries=(), total=1.0, chance=np.zeros(0))
+    others = [replace(proposed(court, one), scores=wrong.scores) for one in ("wheel_loads", "camera_delay")]
+    before = replace(proposed(court), scores=2.0 * wrong.scores)
+    done = Round(before=before, screening=nothing, tried=(wrong, *others), best=wrong, taken=True)
+    begun: list[str] = []
+
+    def step(start: State, *_: Any) -> Round:
+        begun.append(start.last.label)
+        return Round(before=start, screening=nothing, tried=(both,), best=both, taken=True)
+
+    monkeypatch.setattr(ladder, "worthwhile", lambda *_: True)
+    monkeypatch.setattr(ladder, "take_step", step)
+    (found,) = ladder._beside_others(court, [done], Watch(report=no_progress))
+    assert begun == ["wheel_loads"], "the delay is of the camera, as the scale is that was followed"
+    assert found.structure == both.structure and len(found.fit.trials) == len(court.seen)
+
+
 def test_no_list_begins_twice_at_one_place(court: Court, monkeypatch: pytest.MonkeyPatch) -> None:
     """Pieces that were as long as a run allows were asked for again, twice as long: the forms with them."""
     view, watch = court.problem.in_pieces(SETTINGS.piece_s), Watch(report=no_progress)

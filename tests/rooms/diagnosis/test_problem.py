@@ -10,13 +10,15 @@ import pytest
 from planting import Plant, planted, smooth_kiwi
 
 from slipmargin.checks import Array, Index
+from slipmargin.diagnosis import problem as module
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import Trace
 from slipmargin.effects.floor_tilt import FloorTilt
 from slipmargin.io.robot_file import read_recipe
-from slipmargin.sim.batch import Outcome
+from slipmargin.sim.batch import Ending, Outcome
+from slipmargin.sim.pack import pack, stack
 
 PIECE_S = 0.4
 
@@ -147,3 +149,17 @@ def test_first_orders_that_grow_without_bound_are_simulated(
     for one, other in zip(told[:3], exact, strict=False):
         np.testing.assert_array_equal(one, other)
     assert np.isfinite(told[3]).all() and not np.array_equal(told[3], exact[3])
+
+
+def test_a_run_that_takes_too_many_steps_is_told_more_coarsely(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It stayed where the steps ended: a contact twenty times as steep left 200 times the noise."""
+    fine, coarse = replace(problem, rtol=1e-7), replace(problem, rtol=1e-5)
+    everyone = np.arange(len(problem.trials))
+    exact = predicted(fine)
+    steps = coarse.simulated(1.0, stack([pack(coarse.model(()))]), everyone).steps.sum(axis=1)
+    monkeypatch.setattr(module, "_MOST_STEPS", int(steps.max()) + 1)
+    ended = fine.simulated(1.0, stack([pack(fine.model(()))]), everyone).ending
+    assert set(ended.tolist()) == {Ending.TOO_LONG}
+    np.testing.assert_allclose(predicted(fine), exact, atol=1e-4)

@@ -128,6 +128,20 @@ def test_many_runs_bear_out_what_few_do_not() -> None:
         assert tuple(worthwhile(s, (1.0 - share) * 3.0) for s in (few, many)) == enough
 
 
+def test_beside_a_form_what_is_taken_off_beyond_the_noise_counts() -> None:
+    """Of 1.97 nothing can take half: what lay beside a form could not be found below twice the noise."""
+    state = lost_way(SlipRatioFriction(share=1.0, steepness=2.0), structure=(ACROSS,))
+    unnamed = replace(state, fit=replace(state.fit, structure=(replace(ACROSS, named=False),)))
+
+    def at(chi: float) -> State:
+        return replace(unnamed, scores=np.full(COUNT, chi**2 * unnamed.samples / COUNT))
+
+    assert worthwhile(at(1.97), 1.2) and not worthwhile(at(1.97), 1.4)
+    assert worthwhile(at(20.0), 10.0) and not worthwhile(at(20.0), 10.1)
+    assert not worthwhile(at(1.25), 1.0), "so near the noise the form leaves its own fault"
+    assert worthwhile(at(1.97), 1.2, named=False) and not worthwhile(at(1.97), 1.4, named=False)
+
+
 def test_what_was_worth_adding_on_fewer_runs_is_kept_on_all_unless_the_rest_is_as_good() -> None:
     runs = list(range(COUNT))
     for shift_m, kept in ((0.00027, 2), (0.0001, 1)):
