@@ -205,24 +205,22 @@ class Problem:
         )
         cases, back = np.unique(np.column_stack([same[which], runs]), axis=0, return_inverse=True)
         pose = np.empty((len(cases), self.measured.shape[1], 3))
-        rows = stack(packed)
         clocks = np.array([m.measurement.clock for m in models])[cases[:, 0]]
         for clock in np.unique(clocks):
             part = np.flatnonzero(clocks == clock)
-            model, run = cases[part].T
-            pose[part] = self._told(float(clock), rows, run, model)
+            pose[part] = self._told(float(clock), stack(packed), *cases[part].T)
         pose = pose[back.ravel()]
         for k, model_k in enumerate(models):
             self.sense(model_k, np.flatnonzero(which == k), runs, pose)
         return pose
 
-    def _told(self, clock: float, rows: Array, runs: Index, which: Index) -> Array:
+    def _told(self, clock: float, rows: Array, which: Index, runs: Index) -> Array:
         """Pose (K, T, 3) of packed models in runs; of those that take too many steps more coarsely."""
         found = self.simulated(clock, rows, runs, which=which)
         long = np.flatnonzero(found.ending == Ending.TOO_LONG)
         if len(long) and self.rtol < _RTOL[1]:
             coarser = replace(self, rtol=min(10.0 * self.rtol, _RTOL[1]))
-            found.pose[long] = coarser._told(clock, rows, runs[long], which[long])
+            found.pose[long] = coarser._told(clock, rows, which[long], runs[long])
         return found.pose
 
     def simulated(self, clock: float, rows: Array, runs: Index, **more: Any) -> Outcome:
