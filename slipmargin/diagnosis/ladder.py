@@ -3,8 +3,9 @@
 Every proposal is first judged on the searched runs, each predicted without its own fold; only what holds
 there is put to the runs that nothing has seen.  Where a proposal fails, the other forms of its last effect,
 and the names that its round cannot tell from it, are asked before it is dropped.  If nothing is left, the
-best single candidates of other kinds are asked, and if these fail too, nothing is found.  From a structure
-that holds and that the search has not stood at, the search goes on.
+best single candidates of other kinds are asked, then what the search finds beside the best of them, and if
+these fail too, nothing is found.  From a structure that holds and that the search has not stood at, the
+search goes on.
 """
 
 from __future__ import annotations
@@ -73,7 +74,10 @@ def _needless(court: Court, held: Checked, rejected: list[Rejected]) -> bool:
 
 
 def _in_turn(court: Court, proposed: State, rounds: list[Round], progress: Watch) -> Iterator[State]:
-    """What was proposed, less its last effect, less its last two …; then the best of other kinds."""
+    """What was proposed, less its last effect, less its last two …; then the best of other kinds.
+
+    In the end, what the search finds beside those.
+    """
     state = proposed
     while state.structure:
         yield state

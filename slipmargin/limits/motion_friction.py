@@ -79,12 +79,17 @@ def creep_bound(model: Model, motion: Motion, share: float) -> Array:
     slide = motion.velocity @ model.geometry.lateral_rows().T
     creep = np.zeros_like(slide)
     for _ in range(_ROUNDS):  # a slope that depends on the slip is asked again at the slip found
-        least = k * _factor(model, motion, slide, creep, Target.STIFFNESS_DRIVE)[0]
-        found = np.maximum(creep, z / np.maximum(least, k / _SLACKEST))
+        least = _steepness(model.grip, _factor(model, motion, slide, creep, Target.STIFFNESS_DRIVE)[0])
+        found = np.maximum(creep, z / least)
         if np.all(found <= creep * (1.0 + 1e-6)):
             break
         creep = found
     return creep
+
+
+def _steepness(grip: Grip, factor: Array) -> Array:
+    """Slope k of the friction law [s/m] with a factor of it, which may be 0 where friction fades: never 0."""
+    return grip.k_s_per_m * np.maximum(factor, 1.0 / _SLACKEST)
 
 
 @final
@@ -149,14 +154,17 @@ def friction_range(model: Model, motion: Motion, *, share: float = 1.0) -> Frict
     creep = creep_bound(model, motion, share)
     factor = {target: _factor(model, motion, slide, creep, target) for target in _BOTH}
     alone = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
+    # A law without any slope has no force at whatever slip.
+    along = factor[Target.STIFFNESS_DRIVE] > 1.0 / _SLACKEST
+    across = factor[Target.STIFFNESS_TRANSVERSE] > 1.0 / _SLACKEST
     still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
     return FrictionRange(
         slide=np.where(np.abs(slide) <= still, 0.0, slide) if motion.saturated else slide,
         full=motion.saturated,
-        drive=np.broadcast_to(alone[..., 0] * factor[Target.DRIVE][:, None], shape),
-        transverse=np.broadcast_to(alone[..., 1] * factor[Target.TRANSVERSE][:, None], shape),
-        drive_stiffness=np.broadcast_to(grip.k_s_per_m * factor[Target.STIFFNESS_DRIVE], shape[1:]),
-        stiffness=np.broadcast_to(grip.k_s_per_m * factor[Target.STIFFNESS_TRANSVERSE], shape[1:]),
+        drive=np.broadcast_to(alone[..., 0] * (factor[Target.DRIVE] * along)[:, None], shape),
+        transverse=np.broadcast_to(alone[..., 1] * (factor[Target.TRANSVERSE] * across)[:, None], shape),
+        drive_stiffness=np.broadcast_to(_steepness(grip, factor[Target.STIFFNESS_DRIVE]), shape[1:]),
+        stiffness=np.broadcast_to(_steepness(grip, factor[Target.STIFFNESS_TRANSVERSE]), shape[1:]),
     )
 
 

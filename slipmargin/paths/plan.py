@@ -96,7 +96,8 @@ class Plan:
 def duration(step: Array, x: Array) -> float:
     """Σ 2 Δ / (√x_j + √x_{j+1}) [s]: exact, since s̈ is constant between grid points."""
     root = np.sqrt(np.maximum(x, 0.0))
-    return float(np.sum(2.0 * step / (root[1:] + root[:-1])))
+    with np.errstate(divide="ignore"):  # at rest from one place to the next it never arrives
+        return float(np.sum(2.0 * step / (root[1:] + root[:-1])))
 
 
 def plan(model: Model, path: Path, request: Request | None = None, *, grid: Grid | None = None) -> Plan:

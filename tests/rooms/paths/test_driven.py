@@ -22,6 +22,8 @@ from slipmargin.paths.sample import trajectory
 from slipmargin.paths.verify import on_rollers, verify
 from slipmargin.physics.friction_laws import law_inverse, law_slope
 from slipmargin.physics.grips import GripShape
+from slipmargin.physics.terms import Multiplier
+from slipmargin.physics.variables import Basis, Target, Variable
 from slipmargin.report.bounds import answer
 
 SHARE = 0.9
@@ -100,3 +102,21 @@ def test_bounds_and_limiter_say_whose_accelerations_they_are() -> None:
     assert not [line for line in other if line.startswith("creep")]
     one, other = (" ".join(steady_warnings(model, 0.1)) for model in (creeps, plain))
     assert SLOW_CREEP in one and SLOW_CREEP not in other
+
+
+def test_friction_that_fades_to_nothing_at_speed_caps_a_plan() -> None:
+    """With a steepness of 0 the plan ended with "velocity holds a value that is not finite"."""
+    base = nominal_model(kiwi(), "paper")
+    fades = Multiplier(
+        variable=Variable.ROLLING_SPEED,
+        basis=Basis.DECAY,
+        coefficients=np.array([1.25]),
+        shape=np.array([0.3, 1.0]),
+        wheels=np.ones(3),
+        target=Target.STIFFNESS,
+    )
+    model = replace(base, grip=replace(base.grip, multipliers=(fades,)))
+    made = plan(model, STRAIGHT, Request(share=SHARE, points=100))
+    way = trajectory(made)
+    assert np.max(np.hypot(*way.velocity[:, :2].T)) < 0.3 * np.log(5.0)  # gone from there on
+    assert verify(on_rollers(model), way).peak < SHARE + 5e-3
