@@ -134,7 +134,7 @@ def _kept_in(resume: Path | None) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        if resume is not None and resume.is_dir():
+        if resume is not None and any(resume.glob("piece-*.json")):
             say_at_once(f"finished pieces are kept in {resume}: the same command goes on from there")
         raise
 

@@ -125,6 +125,7 @@ class PlanResult(Result):
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as numbers."""
+        from slipmargin.paths.off_heading import use_off_heading
         from slipmargin.report.paths import limiting
 
         p, along = self.plan, self.plan.profile()
@@ -137,6 +138,7 @@ class PlanResult(Result):
             "duration_s": p.duration_s,
             "length_m": float(along.way_m[-1]),
             "max_use": p.max_use,
+            "max_use_off_heading": use_off_heading(p),
             **({} if self.plan_chance is None else {"slip_chance": asdict(self.plan_chance)}),
             "grid_points": len(p.x),
             "s_m": along.way_m,

@@ -11,6 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
+from slipmargin_cli.design import _kept_in
 from slipmargin_cli.main import status
 
 SCRIPT = Path(sys.executable).with_name("slipmargin")
@@ -155,6 +156,17 @@ def test_a_refused_study_leaves_no_pieces(
     assert status(["design", *words, "--out", str(tmp_path / "o.csv")]) == 2
     assert says in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+def test_pieces_are_spoken_of_where_there_are_some(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Interrupted before the first one it said that finished pieces are kept."""
+    for name, said in (("lock", False), ("piece-0.json", True)):
+        (tmp_path / name).touch()
+        with pytest.raises(KeyboardInterrupt), _kept_in(tmp_path):
+            raise KeyboardInterrupt
+        assert ("finished pieces are kept" in capsys.readouterr().err) == said
 
 
 def test_a_study_killed_halfway_goes_on_to_the_same_file(tmp_path: Path) -> None:

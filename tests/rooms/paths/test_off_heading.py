@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from strategies import four_wheels, kiwi
 
+import slipmargin as sm
 from slipmargin.model import nominal_model
 from slipmargin.paths.check import check
 from slipmargin.paths.off_heading import use_off_heading
@@ -31,3 +32,9 @@ def test_it_is_what_a_check_of_the_turned_motion_finds(robot: Robot, degrees: fl
     assert use_off_heading(found, 0.0) == pytest.approx(found.max_use, rel=1e-9)
     said = [line for line in plan_lines(found, {}) if line.startswith("heading")]
     assert bool(said) == (use_off_heading(found) > 1.02 * 0.9)
+
+
+def test_the_number_is_among_those_of_the_answer() -> None:
+    """It stood in the lines alone, where no script looks."""
+    made = sm.plan("omni4", "floor", [[0, 0, 0], [1.0, 0, 0]], points=60)
+    assert made.to_dict()["max_use_off_heading"] == use_off_heading(made.plan)
