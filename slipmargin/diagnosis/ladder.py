@@ -112,9 +112,11 @@ def _beside_others(court: Court, rounds: list[Round], progress: Watch) -> Iterat
     Which of several that take off much is meant may show only beside a second one.
     """
     for other in rounds[0].of_other_variables():
+        if progress.expired:
+            return
         own = [court.runs[i] for i in other.fit.trials]
         start = longer(court.problem, other, own)
-        if progress.expired or not worthwhile(start, SETTINGS.floor_chi):
+        if not worthwhile(start, SETTINGS.floor_chi):
             continue
         beside = progress.staged(f"beside {other.last.label}")
         step = take_step(start, own, candidates_of(rounds), court.seed, beside)
