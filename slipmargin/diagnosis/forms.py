@@ -14,6 +14,7 @@ import numpy as np
 
 from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
+from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.effects import GeneralEffect, Part, Trace
 from slipmargin.effects.general import PREFIX, Term
 from slipmargin.model import Model
@@ -45,9 +46,6 @@ class Ranges:
 #: Standard deviations of the Gaussian prior [scales]: of the difference between neighbours of a polygon,
 #: and of every coefficient.  They matter only where no trial has been.
 _NEIGHBOURS, _LARGEST = 5.0, 30.0
-#: The least factor of a steepness [1] that one term makes: with none the contact holds nothing, and a fit
-#: that gets there moves no more.  A term that fades makes it no larger than twice by the same bound.
-_LEAST_STIFFNESS = 0.05
 
 
 def prior_rows(blocks: Sequence[tuple[Basis, int]]) -> Array:
@@ -126,7 +124,8 @@ def friction(
     low, high = np.full(size, -bound), np.full(size, bound)
     stiff = np.repeat([row[4] >= Target.STIFFNESS for row in rows], [row[3] for row in rows])
     fades = np.repeat([row[1] is Basis.DECAY for row in rows], [row[3] for row in rows])
-    low[stiff], high[stiff & fades] = _LEAST_STIFFNESS - 1.0, 1.0 - _LEAST_STIFFNESS
+    low[stiff] = SETTINGS.least_steepness - 1.0
+    high[stiff & fades] = 1.0 - SETTINGS.least_steepness
     return spread(trace, label, Part.GRIP, np.full(size, 0.1), high, terms, prior, low)
 
 

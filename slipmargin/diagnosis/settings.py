@@ -126,6 +126,9 @@ class SearchSettings:
     #: [1] Tangents promise about this share of what a fit takes off: friction that sticks answers small steps
     #: less than large ones.  Beside a form an effect is fitted if that much more would be worth having.
     tangents_promise: float = 0.7
+    #: [1] The least factor that one term of a form makes of the contact's steepness: with none the contact
+    #: holds nothing, and a fit that gets there moves no more.  By it a term that fades at most doubles it.
+    least_steepness: float = 0.05
     #: [effects] More than this many were never borne out by ten runs.  All of a larger set may bear more.
     most_effects: int = 4
     #: [1] Two runs drive alike if their wheels turn in the same proportions: the cosine of 8°.
