@@ -154,9 +154,9 @@ def friction_range(model: Model, motion: Motion, *, share: float = 1.0) -> Frict
     creep = creep_bound(model, motion, share)
     factor = {target: _factor(model, motion, slide, creep, target) for target in _BOTH}
     alone = np.stack([grip.roller, grip.rigid])[:, None]  # (2, 1, N, 2)
-    # A law without any slope has no force at whatever slip.
-    along = factor[Target.STIFFNESS_DRIVE] > 1.0 / _SLACKEST
-    across = factor[Target.STIFFNESS_TRANSVERSE] > 1.0 / _SLACKEST
+    # A law that surely has no slope has no force at whatever slip.
+    along = factor[Target.STIFFNESS_DRIVE][1] > 1.0 / _SLACKEST
+    across = factor[Target.STIFFNESS_TRANSVERSE][1] > 1.0 / _SLACKEST
     still = STILL * np.max(np.abs(motion.velocity), axis=1, keepdims=True)
     return FrictionRange(
         slide=np.where(np.abs(slide) <= still, 0.0, slide) if motion.saturated else slide,
