@@ -196,19 +196,16 @@ class Problem:
     def _simulated(self, models: Sequence[Model], which: Index, runs: Index) -> Array:
         """Measured pose (R, T, 3) of each run as its model predicts it; equal cases are simulated once."""
         packed = [pack(m) for m in models]
+        keys = [(p.tobytes(), m.measurement.clock) for p, m in zip(packed, models, strict=True)]
         first: dict[tuple[bytes, float], int] = {}
-        same = np.array(
-            [
-                first.setdefault((p.tobytes(), m.measurement.clock), k)
-                for k, (p, m) in enumerate(zip(packed, models, strict=True))
-            ]
-        )
+        same = np.array([first.setdefault(key, k) for k, key in enumerate(keys)])
         cases, back = np.unique(np.column_stack([same[which], runs]), axis=0, return_inverse=True)
         pose = np.empty((len(cases), self.measured.shape[1], 3))
+        rows = stack(packed)
         clocks = np.array([m.measurement.clock for m in models])[cases[:, 0]]
         for clock in np.unique(clocks):
             part = np.flatnonzero(clocks == clock)
-            pose[part] = self._told(float(clock), stack(packed), *cases[part].T)
+            pose[part] = self._told(float(clock), rows, *cases[part].T)
         pose = pose[back.ravel()]
         for k, model_k in enumerate(models):
             self.sense(model_k, np.flatnonzero(which == k), runs, pose)

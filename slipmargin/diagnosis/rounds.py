@@ -98,12 +98,8 @@ class Round:
         least share."""
         if self.best is None:
             return []
-        found: dict[Trace, State] = {}
         known = {c.trace for c in self.best.structure}
-        for state in self._of_its_size(self.best):
-            if self.single(state) and state.last.trace not in known:
-                found.setdefault(state.last.trace, state)
-        return list(found.values())[: SETTINGS.followed]
+        return self._instead_of(self.best, known)[: SETTINGS.followed]
 
     def part_alone(self) -> list[State]:
         """Where the best adds two, the one of them that is better alone, if it was tried alone."""
@@ -120,9 +116,13 @@ class Round:
         A name's rank depends on what is still missing: which is meant shows once that is known.
         """
         own = self.with_alone(known)
+        return [] if own is None else self._instead_of(own, {known.trace}, names_only=True)
+
+    def _instead_of(self, one: State, known: set[Trace], *, names_only: bool = False) -> list[State]:
+        """The best single candidate of its size of each variable that is not ``known``."""
         found: dict[Trace, State] = {}
-        for state in [] if own is None else self._of_its_size(own):
-            if state.named and self.single(state) and state.last.trace != known.trace:
+        for state in self._of_its_size(one):
+            if self.single(state) and state.last.trace not in known and (state.named or not names_only):
                 found.setdefault(state.last.trace, state)
         return list(found.values())
 
