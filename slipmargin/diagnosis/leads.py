@@ -18,6 +18,7 @@ from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.order_analysis import Periodicity
 from slipmargin.diagnosis.result import Lead, LeadSource, Rejected
 from slipmargin.diagnosis.rounds import Round
+from slipmargin.diagnosis.run_order import Drift
 from slipmargin.diagnosis.separate import TRIALS
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import explained
@@ -92,6 +93,7 @@ def leads(
     last: Round | None,
     rejected: Sequence[Rejected],
     found: Sequence[Trace],
+    drifts: Sequence[Drift] = (),
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
@@ -100,8 +102,9 @@ def leads(
     as a claim must (but for what takes more off runs left out, and hurts none), and what leaves nothing but
     noise; then what repeats with a wheel's angle, and what fits the searched runs best beside what was
     ``found``, in the round that began with it (``last``); then what the map supports though it makes more
-    runs worse than better.  Where there is nothing of all that, the best there is, said to be weak.  What
-    was found is no lead.
+    runs worse than better.  What grows or falls from run to run comes before the map where it takes more off
+    than anything there, else after it.  Where there is nothing of all that, the best there is, said to be
+    weak.  What was found is no lead.
     """
     rows = [] if last is None else followed(last)
     # one run is a fold of its own: nothing is left out of any fit
@@ -169,6 +172,10 @@ def leads(
     for row in rows:
         if row.label in borne_out:
             add(of_fit(row))
+    most = max((e.share for e in entries if e.supported), default=0.0)
+    for drift in drifts:
+        if drift.share > most:
+            add(_of_drift(drift))
     hurting: list[MapEntry] = []
     for entry in sorted(entries, key=place):
         no, own = refused.get(entry.form), best.get(entry.traced_to)
@@ -178,6 +185,8 @@ def leads(
             hurting.append(entry)
         else:
             add(of_map(entry))
+    for drift in drifts:
+        add(_of_drift(drift))
     for turn in turns:
         add(
             Lead(
@@ -210,6 +219,17 @@ def leads(
             )
         )
     return tuple(made[: SETTINGS.most_leads])
+
+
+def _of_drift(drift: Drift) -> Lead:
+    return Lead(
+        traced_to=Trace.TIME,
+        source=LeadSource.RUN_ORDER,
+        why=drift.sentence,
+        next_run=TRIALS[Trace.TIME],
+        share=drift.share,
+        p_value=drift.p_value,
+    )
 
 
 def _least_share() -> float:

@@ -11,10 +11,8 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair, in_runs
 from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.run_order import grip_times
 from slipmargin.diagnosis.settings import SETTINGS
-from slipmargin.effects import GeneralEffect, Part, Trace
-from slipmargin.physics.terms import Multiplier
-from slipmargin.physics.variables import Basis, Variable
 
 #: Frictions that are tried for each run, as factors of the stated one.
 _FRICTIONS = np.geomspace(0.45, 1.8, 8)
@@ -71,19 +69,8 @@ def one_floor(data_set: DataSet) -> tuple[DataSet, tuple[Repair, ...]]:
 
 def _cost(problem: Problem, frictions: tuple[float, ...], runs: Index) -> Array:
     """Mean squared residual (F, R) of each run, over the samples seen, with friction times each of these."""
-    ones = np.ones(problem.nominal.count)
-
-    def floor(factor: float) -> GeneralEffect:
-        term = Multiplier(
-            variable=Variable.UNITY,
-            basis=Basis.CONSTANT,
-            coefficients=np.array([factor - 1.0]),
-            shape=np.zeros(2),
-            wheels=ones,
-        )
-        return GeneralEffect(traced_to=Trace.COEFFICIENT, part=Part.GRIP, terms=(term,))
-
-    found = problem.residuals([(floor(f),) for f in frictions], [runs] * len(frictions))
+    wheels = problem.nominal.count
+    found = problem.residuals([(grip_times(f, wheels),) for f in frictions], [runs] * len(frictions))
     return np.array([np.sum(r**2, axis=1) / np.maximum(1, np.count_nonzero(r, axis=1)) for r in found])
 
 

@@ -98,6 +98,7 @@ class LeadSource(Enum):
 
     MAP = "map"  #: the residual of left-out runs follows the variable
     ORDER = "order"  #: the residual is periodic in a wheel's angle
+    RUN_ORDER = "run-order"  #: what fits each run by itself grows or falls from run to run
     FIT = "fit"  #: a candidate over the variable fits the searched runs best, nothing more
     BORNE_OUT = "borne-out"  #: runs that it had not seen bear it out, but its own parameters do not
     REJECTED = "rejected"  #: it was fitted and not borne out by runs that it had not seen
@@ -124,7 +125,8 @@ class Lead:
     def follows(self) -> bool:
         """Whether the residual follows the variable more than chance makes it."""
         significant = self.p_value is not None and self.p_value <= SETTINGS.level
-        return self.source is LeadSource.ORDER or (self.source is LeadSource.MAP and significant)
+        tested = self.source in (LeadSource.ORDER, LeadSource.RUN_ORDER)  # by their own permutations
+        return tested or (self.source is LeadSource.MAP and significant)
 
     @property
     def stands_out(self) -> bool:

@@ -104,6 +104,13 @@ class SearchSettings:
     ridges: tuple[float, ...] = (0.01, 0.1, 1.0)
     #: [1] A fit is a lead if it takes off at least this share of chi: half of what a later effect must.
     least_lead: float = 0.05
+    #: [runs] Whether something changes from run to run is asked of at least so many: of five chance orders
+    #: one in sixty by size, up or down, and several quantities are looked at.
+    drift_runs: int = 6
+    #: [1] The factors between which each run's own is fitted: beyond them another cause is likelier.
+    drift_factors: tuple[float, float] = (0.2, 3.0)
+    #: [1] A run tells its factor if its residual depends on it so steeply, by the squares of the median run.
+    drift_tells: float = 0.01
     #: [s] So much longer than its time a search takes for a first list, without which it has not even a lead;
     #: candidates that are not reached by then are left out.
     list_s: float = 3.0

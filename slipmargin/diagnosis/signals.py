@@ -162,12 +162,17 @@ def started(
     """A trial's signal with what was commanded before it, and the floor-frame velocity (3,) it begins with.
 
     Where commands alone are known, the first poses, whose noise is ``sigma`` (3,), say whether the robot
-    stands when they begin or follows the first of them already.
+    stands when they begin or follows the first of them already; what is cut from a run goes on as it was.
     """
-    if commanded and not _moves_at_once(trial, sigma):
+    if commanded and not _goes_on(trial) and not _moves_at_once(trial, sigma):
         return signal, np.zeros(3)
     before = signal.pieces[0, :, 1] if commanded else signal.spin_rad_s
     return replace(signal, spin_rad_s=before), start_twist(model, trial, signal, sigma)
+
+
+def _goes_on(trial: Trial) -> bool:
+    """Whether a trial is cut from a run that began before."""
+    return trial.record.start_s < float(trial.t_s[0])
 
 
 def _early(trial: Trial) -> NDArray[np.bool_]:
@@ -214,7 +219,8 @@ def start_twist(model: Model, trial: Trial, signal: WheelSignal, sigma: Array) -
         return rotate_rows(trial.start[2], body)
     turned = angles_at(signal, trial.t_s[early])
     # From rest the wheels run away from the floor in no time: of such a start no parabola tells.
-    if np.max(np.abs(speeds)) >= SETTINGS.start_pace * np.max(np.abs(turned[-1] - turned[0])) / t[-1]:
+    pace = np.max(np.abs(turned[-1] - turned[0])) / t[-1]
+    if _goes_on(trial) or np.max(np.abs(speeds)) >= SETTINGS.start_pace * pace:
         moved = body_path(trial.pose[early])
         slid = moved - wheel_path(geometry, turned)
         powers = t[:, None] ** np.arange(3)  # where it began, the velocity then, and how that changed

@@ -55,6 +55,7 @@ NUMERICS = {
     "diagnosis/pull_unseen.py": {"_FLIPS"},
     "diagnosis/ranges.py": {"_MOST", "_SPAN_S"},
     "diagnosis/residual_diagnostics.py": {"_BINS", "_SHIFTS", "_SPAN_S"},
+    "diagnosis/run_order.py": {"_STEPS", "_APART", "_PERMUTATIONS"},
     "diagnosis/signals.py": {"_ROUGHLY", "_SAME", "_LOOSEST", "_LONGEST"},
     "diagnosis/tangents.py": {"_AT_ONCE"},
     "diagnosis/verdict.py": {"_EXACT", "_DRAWN", "_POSITION", "_HEADING"},

@@ -25,8 +25,8 @@ T_S = np.arange(0.0, 2.0, 0.01)
 Effects = tuple[AnyEffect, ...]
 
 
-def runs(effects: Effects, first: int, every: int = 1, missing: int = 0) -> DataSet:
-    """Six drives at a drawn speed that turn into another, their logs from row ``first`` on.
+def runs(effects: Effects, first: int, every: int = 1, missing: int = 0, then: float = 1.0) -> DataSet:
+    """Six drives at a drawn speed that turn into ``then`` times another, their logs from row ``first`` on.
 
     The camera sees every so many rows of a log, and not the ``missing`` first ones.
     """
@@ -37,7 +37,7 @@ def runs(effects: Effects, first: int, every: int = 1, missing: int = 0) -> Data
         way = np.array([k, k + 2.5])
         twists = np.column_stack([0.3 * np.cos(way), 0.3 * np.sin(way), random.uniform(-1.0, 1.0, 2)])
         speeds = model.geometry.wheel_speeds(twists)
-        asked = np.where(T_S[:, None] < 1.2, speeds[0], speeds[1])
+        asked = np.where(T_S[:, None] < 1.2, speeds[0], then * speeds[1])
         pose = Batch([held(T_S, asked)], [T_S], commanded=True).run(pack(model), np.zeros(3)).pose[0]
         seen = pose + SIGMA * random.standard_normal(pose.shape)
         rows = slice(first, None)
@@ -97,3 +97,13 @@ def test_what_a_run_begins_with_stays_when_its_wheels_are_interpolated_anew() ->
     assert np.all(np.any(spins, axis=1))
     again = problem.rebuilt(problem.scheme)
     np.testing.assert_array_equal([signal.spin_rad_s for signal in again.signals], spins)
+
+
+def test_what_is_cut_where_the_wheels_have_stopped_slides_on() -> None:
+    """It stood still at once (3.5): a run that begins with no wheel turning was taken to begin at rest.
+
+    How fast it slides at first is told by few poses, so more than noise is left.
+    """
+    whole = runs((), 0, then=0.0)
+    cut = tuple(record.part(slice(122, None)) for record in whole.trials)
+    assert problem_of(whole, cut).misses((), np.arange(6)).max() < 2.0
