@@ -17,6 +17,7 @@ from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.effect import Effect
 from slipmargin.effects.elliptic_grip import EllipticGrip
 from slipmargin.effects.floor_border import FloorBorder
+from slipmargin.effects.floor_bump import FloorBump
 from slipmargin.effects.floor_grain import FloorGrain
 from slipmargin.effects.floor_nap import FloorNap
 from slipmargin.effects.floor_patch import FloorPatch
@@ -121,6 +122,7 @@ CATALOGUE = Catalogue(
         FloorBorder,
         FloorRamp,
         FloorSeam,
+        FloorBump,
         Push,
         Tether,
         WheelRadius,

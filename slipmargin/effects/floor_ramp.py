@@ -81,8 +81,7 @@ class FloorRamp(Effect):
             profile=Profile.RAMP,
             size=tan(self.slope_rad),
             extent_m=self.length_m,
-            offset_m=self.offset_m,
-            direction_rad=self.direction_rad,
+            place=(self.offset_m, self.direction_rad),
             edge_m=self.edge_m,
         )
         return replace(part, reliefs=(*part.reliefs, ramp))

@@ -80,8 +80,7 @@ class FloorSeam(Effect):
             profile=Profile.RIDGE,
             size=self.height_m,
             extent_m=self.width_m,
-            offset_m=self.offset_m,
-            direction_rad=self.direction_rad,
+            place=(self.offset_m, self.direction_rad),
             edge_m=EDGE_M,
         )
         return replace(part, reliefs=(*part.reliefs, ridge))

@@ -141,7 +141,7 @@ def _left_out(model: Model) -> list[str]:
     if model.external.terms:
         out.append("forces on the body that are not wheel friction")
     if model.external.reliefs:
-        out.append("ramps and ridges of the floor")
+        out.append("ramps, ridges and bumps of the floor")
     if model.grip.viscous_N_s_per_m.any():
         out.append("viscous friction of the wheels")
     return out

@@ -41,7 +41,7 @@ LIFTED = 29  #: Σ of the loads at rest [N]
 EDGES = 30  #: how many instants at which a term over time jumps or kinks
 EDGES_AT = 31
 PLAYS = 32  #: 1 where a wheel has play
-RELIEFS = 33  #: how many ramps and ridges the floor has
+RELIEFS = 33  #: how many ramps, ridges and bumps the floor has
 RELIEFS_AT = 34
 BY_HUB = 35  #: 1 where friction depends on the hub's velocity in a way whose derivative is analytic
 BY_MOTION = 36  #: 1 where a force on the body depends on its velocity
@@ -100,5 +100,5 @@ TERM = 9
 #: A force: variable, basis, frame, count, shape a, shape b, height [m], lift [N], place from the centre of
 #: mass (2) [m], 3 × count coefficients.
 FORCE = 10
-#: A ramp or ridge of the floor: profile, size, extent [m], edge [m], offset [m], direction [rad].
+#: A ramp, ridge or bump of the floor: profile, size, extent [m], edge [m], place (2).
 RELIEF = 6

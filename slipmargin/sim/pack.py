@@ -236,7 +236,7 @@ def _force(f: ForceTerm, model: Model) -> Array:
 
 
 def _relief(r: Relief) -> Array:
-    return np.array([float(r.profile), r.size, r.extent_m, r.edge_m, r.offset_m, r.direction_rad])
+    return np.array([float(r.profile), r.size, r.extent_m, r.edge_m, *r.place])
 
 
 def _edges(model: Model) -> Array:

@@ -49,7 +49,7 @@ _BOX = contact.BOX
 _basis, _basis_slope = twin(terms.basis_function), twin(terms.basis_slope)
 _first_of_two, _HATS = twin(terms.first_of_two), terms.HATS
 _place_variable = twin(terms.place_variable)
-_rise, _beyond = twin(relief.rise), twin(relief.beyond)
+_slope = twin(relief.slope)
 _to_body, _to_floor, _velocity_at = twin(frames.to_body), twin(frames.to_floor), twin(frames.velocity_at)
 
 
@@ -236,11 +236,10 @@ def climb(P: Any, W: Any, y: Any, C: Any) -> None:
         x, z = 0.0, 0.0
         q = int(P[_RELIEFS_AT])
         for _ in range(int(P[_RELIEFS])):
-            away = P[q + 5]
-            d = _beyond(P[q + 4], away, y[0] + px, y[1] + py)
-            along = _rise(int(P[q]), P[q + 1], P[q + 2], P[q + 3], d)
-            x += along * math.cos(away)
-            z += along * math.sin(away)
+            place = P[q + 4], P[q + 5]
+            along, across = _slope(int(P[q]), P[q + 1], P[q + 2], P[q + 3], place, y[0] + px, y[1] + py)
+            x += along
+            z += across
             q += _RELIEF
         x, z = _to_body(y[2], x, z)
         C[i, RISE_X], C[i, RISE_Y], C[i, RISE_M] = x, z, w[_AX] * z - w[_AY] * x

@@ -232,8 +232,14 @@ def _slopes(model: Model, contact: Array) -> Array:
     """∇h (N, 2) of the floor under contacts (N, 2): of heights written out again, by a complex step."""
     total = np.zeros_like(contact)
     for r in model.external.reliefs:
-        normal = np.array([np.cos(r.direction_rad), np.sin(r.direction_rad)])
-        d = contact @ normal - r.offset_m + 1e-30j
+        if r.profile is Profile.BUMP:
+            for axis in range(2):
+                z = contact - np.array(r.place) + 1e-30j * np.eye(2)[axis]
+                high = r.size * 0.5 ** (4.0 * np.sum(z**2, axis=1) / r.extent_m**2)
+                total[:, axis] += np.imag(high) / 1e-30
+            continue
+        normal = np.array([np.cos(r.place[1]), np.sin(r.place[1])])
+        d = contact @ normal - r.place[0] + 1e-30j
         if r.profile is Profile.RAMP:
             steep = r.size * (expit(d.real / r.edge_m) - expit((d.real - r.extent_m) / r.edge_m))
         else:

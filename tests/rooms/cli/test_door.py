@@ -174,6 +174,7 @@ def test_a_robot_can_be_changed_while_it_is_read() -> None:
         ({"name": "wheel_play", "play_rad": 0.02}, "those of wheels without play"),
         ({"name": "floor_ramp", "slope_rad": 0.02}, "those of a level floor"),
         ({"name": "floor_seam", "height_m": 0.002}, "those of a level floor"),
+        ({"name": "floor_bump", "height_m": 0.002}, "those of a level floor"),
     ],
 )
 def test_an_effect_that_a_command_does_not_use_is_said(

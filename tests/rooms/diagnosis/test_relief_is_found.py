@@ -1,4 +1,4 @@
-"""A ramp on the floor: found without being told, where it is."""
+"""A ramp and a hollow of the floor: found without being told, where they are."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from planting import Plant, planted, smooth_kiwi
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.result import Verdict
 from slipmargin.effects import Trace
+from slipmargin.effects.floor_bump import FloorBump
 from slipmargin.effects.floor_ramp import FloorRamp
 
 SMALL = {"count": 8, "duration_s": 2.5, "rate_hz": 100.0}
@@ -33,4 +34,17 @@ def test_a_ramp_is_found_and_its_intervals_hold_the_truth() -> None:
     for name, value in want.items():
         half = 0.5 * (own[name].high - own[name].low)
         assert abs(value - own[name].value) <= 1.27 * half, (name, value, own[name])
+    assert found.before.chi > 3.0 and found.after.chi < 1.06
+
+
+def test_a_hollow_is_found_where_it_is() -> None:
+    """A seam was claimed for a dip that all runs crossed, and a lump under the carpet stayed unexplained."""
+    truth = FloorBump(height_m=-0.01, centre_x_m=0.1, centre_y_m=-0.05, radius_m=0.12)
+    plant = Plant(name="hollow", traces=(Trace.POSITION,), effects=(truth,))
+    found = diagnose(planted(smooth_kiwi(), plant, seed=3, **SMALL), seed=1)
+    assert found.verdict is Verdict.EFFECT_FOUND
+    (finding,) = found.findings
+    assert finding.name == "floor_bump" and finding.traced_to is Trace.POSITION
+    for p in finding.parameters:  # Bonferroni, as above
+        assert abs(getattr(truth, p.name) - p.value) <= 1.27 * 0.5 * (p.high - p.low), p
     assert found.before.chi > 3.0 and found.after.chi < 1.06

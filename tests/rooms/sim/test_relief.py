@@ -12,6 +12,7 @@ from manoeuvres import wheel_motion
 from oracles.plain_simulator import acceleration, reference_motion
 from strategies import four_wheels, kiwi, models, tall
 
+from slipmargin.effects.floor_bump import FloorBump
 from slipmargin.effects.floor_ramp import FloorRamp
 from slipmargin.effects.floor_seam import FloorSeam
 from slipmargin.effects.floor_tilt import FloorTilt
@@ -29,14 +30,16 @@ def uneven(model: Model, *reliefs: Relief) -> Model:
     return replace(model, external=replace(model.external, reliefs=reliefs))
 
 
-def drawn(seed: int) -> tuple[Relief, Relief]:
-    """A ramp and a ridge near the floor's origin."""
+def drawn(seed: int) -> tuple[Relief, Relief, Relief]:
+    """A ramp, a ridge and a bump near the floor's origin."""
     rng = np.random.default_rng(seed)
-    common = {"direction_rad": rng.uniform(-3.0, 3.0), "edge_m": rng.uniform(0.005, 0.05)}
+    direction, edge = rng.uniform(-3.0, 3.0), rng.uniform(0.005, 0.05)
     offset, size = rng.uniform(-0.3, 0.1), rng.uniform(-0.1, 0.1)
+    long, middle = rng.uniform(0.1, 0.6), (offset, rng.uniform(-0.2, 0.2))
     return (
-        Relief(profile=Profile.RAMP, size=size, extent_m=rng.uniform(0.1, 0.6), offset_m=offset, **common),
-        Relief(profile=Profile.RIDGE, size=0.1 * size, extent_m=0.2, offset_m=-offset, **common),
+        Relief(profile=Profile.RAMP, size=size, extent_m=long, place=(offset, direction), edge_m=edge),
+        Relief(profile=Profile.RIDGE, size=0.1 * size, extent_m=0.2, place=(-offset, direction), edge_m=edge),
+        Relief(profile=Profile.BUMP, size=0.1 * size, extent_m=long, place=middle, edge_m=edge),
     )
 
 
@@ -62,13 +65,12 @@ def test_a_floor_that_rises_does_not_push_a_wheel_in_the_air(wheels: int, height
 
 
 @pytest.mark.parametrize("robot", [kiwi(com_height_m=0.03, load_rule=LoadRule.QUASI_STATIC), four_wheels()])
-def test_a_run_over_a_ramp_and_a_ridge_agrees(robot) -> None:
+def test_a_run_over_a_ramp_a_ridge_and_a_bump_agrees(robot) -> None:
     model = uneven(
         nominal_model(robot, robot.surfaces[0].name),
-        Relief(profile=Profile.RAMP, size=0.08, extent_m=0.1, offset_m=0.02, direction_rad=0.4, edge_m=0.004),
-        Relief(
-            profile=Profile.RIDGE, size=0.004, extent_m=0.03, offset_m=-0.03, direction_rad=2.0, edge_m=1.0
-        ),
+        Relief(profile=Profile.RAMP, size=0.08, extent_m=0.1, place=(0.02, 0.4), edge_m=0.004),
+        Relief(profile=Profile.RIDGE, size=0.004, extent_m=0.03, place=(-0.03, 2.0), edge_m=1.0),
+        Relief(profile=Profile.BUMP, size=0.01, extent_m=0.1, place=(0.03, 0.02), edge_m=1.0),
     )
     n = model.count
     rates = np.outer([0.0, 1.0, 1.0], 8.0 * np.cos(1.0 + 2.1 * np.arange(n)))
@@ -84,7 +86,7 @@ def test_a_flat_relief_changes_nothing() -> None:
     model = nominal_model(kiwi(), "paper")
     flat = uneven(
         model,
-        Relief(profile=Profile.RAMP, size=0.0, extent_m=1.0, offset_m=0.0, direction_rad=0.0, edge_m=0.01),
+        Relief(profile=Profile.RAMP, size=0.0, extent_m=1.0, place=(0.0, 0.0), edge_m=0.01),
     )
     signal = linear(np.array([0.0, 0.1, 0.6]), np.outer([0.0, 1.0, 1.0], [8.0, -5.0, 3.0]))
     times = np.linspace(0.0, 0.6, 5)
@@ -137,6 +139,23 @@ def test_a_ridge_takes_as_much_as_it_gives() -> None:
     (steepest,) = seam.derived(nominal_model(kiwi(), "paper"))
     assert steepest.value == pytest.approx(np.abs(slope).max(), rel=1e-4)
     assert beyond(0.2, 0.0, 0.5, 9.0) == pytest.approx(0.3)
+
+
+def test_a_bump_pushes_away_from_its_middle_and_is_half_as_high_at_its_radius() -> None:
+    """The height follows from the slope along any way up."""
+    bump = FloorBump(height_m=0.006, centre_x_m=0.3, centre_y_m=-0.2, radius_m=0.15)
+    model = nominal_model(kiwi(), "paper")
+    (relief,) = with_effects(model, (bump,)).external.reliefs
+    far = np.linspace(1.5, 0.0, 20001)
+    for way in (0.3, 2.0, -2.5):
+        x, y = 0.3 + far * np.cos(way), -0.2 + far * np.sin(way)
+        slope = relief.gradient(x, y) @ np.array([np.cos(way), np.sin(way)])
+        height = np.concatenate([[0.0], np.cumsum(0.5 * (slope[1:] + slope[:-1]) * np.diff(far))])
+        assert height[-1] == pytest.approx(0.006, rel=1e-5)
+        assert np.interp(-0.15, -far, height) == pytest.approx(0.003, rel=1e-4)
+        (steepest,) = bump.derived(model)
+        assert steepest.value == pytest.approx(np.abs(slope).max(), rel=1e-5)
+    assert np.all(relief.gradient(np.array([0.3]), np.array([-0.2])) == 0.0)
 
 
 def test_motors_climb_a_ramp_that_they_are_driven_up() -> None:
