@@ -23,6 +23,7 @@ from slipmargin.diagnosis.remarks import (
     of_noise,
     of_one_run,
     of_pieces,
+    of_small_shares,
     of_the_clock,
     of_the_draw,
     of_the_fit,
@@ -170,6 +171,7 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
             *of_one_run(len(data_set.trials)),
             *of_the_draw(checked, before.chi),
             *of_pieces(state),
+            *of_small_shares(found),
             *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
     )

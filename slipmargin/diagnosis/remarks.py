@@ -11,7 +11,7 @@ from slipmargin.diagnosis.court import Checked
 from slipmargin.diagnosis.fit import Fit
 from slipmargin.diagnosis.mimics import mimics
 from slipmargin.diagnosis.order_analysis import Periodicity
-from slipmargin.diagnosis.result import Event
+from slipmargin.diagnosis.result import Event, Finding
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.state import State
 
@@ -94,6 +94,27 @@ def of_pieces(state: State | None) -> tuple[str, ...]:
         f"The model is so far off that runs were searched and judged in pieces of "
         f"{state.view.piece * state.view.step_s:.2g} s, each begun where it was measured; reported "
         "errors are those of whole runs, which must fall too.",
+    )
+
+
+def of_small_shares(found: Sequence[Finding]) -> tuple[str, ...]:
+    """Which names take off less than what stays unexplained: what that is may be behind them.
+
+    By the mean squares beyond the noise of the runs that were left out of the fit.
+    """
+    small = [
+        f"`{f.label}`"
+        for f in found
+        if not f.doubts
+        and f.chi_with > SETTINGS.noise_chi
+        and f.chi_without**2 - f.chi_with**2 < f.chi_with**2 - 1.0
+    ]
+    if not small:
+        return ()
+    takes = "takes" if len(small) == 1 else "each take"
+    return (
+        f"{', '.join(small)} {takes} off less than what is still left: something that is not in the model "
+        "yet may be behind it, whatever its name says.",
     )
 
 
