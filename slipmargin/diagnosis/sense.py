@@ -12,6 +12,9 @@ from slipmargin.model.parts import MeasurementModel
 from slipmargin.physics.frames import rotate_rows, to_floor
 from slipmargin.physics.variables import Variable
 
+#: Newton steps that undo a lens; and how far off [m] the last of them may be.
+_STEPS, _MISSED_M = 30, 1e-9
+
 
 def is_ideal(sensing: MeasurementModel) -> bool:
     """Whether the measurement model changes nothing."""
@@ -22,6 +25,7 @@ def is_ideal(sensing: MeasurementModel) -> bool:
         and not sensing.delay_s
         and not np.any(sensing.marker_m)
         and not sensing.warps
+        and not any(lens.bend_per_m2 for lens in sensing.lenses)
     )
 
 
@@ -55,6 +59,8 @@ def measure(sensing: MeasurementModel, times_s: Sequence[Array], pose: Array) ->
     out = np.empty_like(true)
     out[..., :2] = start[..., :2] + sensing.scale * rotate_rows(sensing.rotation_rad, moved)
     out[..., 2] = start[..., 2] + sensing.heading_gain * (phi - start[..., 2])
+    bent = _bent(sensing, true[..., :2])
+    out[..., :2] += bent - bent[:, :1]
     for warp in sensing.warps:
         for measured, row, t_s in zip(out, true, own, strict=True):
             shift = warp.shift(_variable(warp.variable, t_s, row[: len(t_s)]))
@@ -83,10 +89,35 @@ def true_pose(sensing: MeasurementModel, t_s: Array, pose: Array) -> Array:
         out = np.column_stack(columns)
     start = pose[np.argmax(np.isfinite(pose).all(axis=1))]
     out[:, 2] = start[2] + (out[:, 2] - start[2]) / sensing.heading_gain
-    moved = rotate_rows(-sensing.rotation_rad, (out[:, :2] - start[:2]) / sensing.scale)
     seen = np.stack(to_floor(out[:, 2], *sensing.marker_m), axis=-1)
-    out[:, :2] = start[:2] + moved - seen + np.stack(to_floor(start[2], *sensing.marker_m))
+    seen -= np.stack(to_floor(start[2], *sensing.marker_m))
+    moved = rotate_rows(-sensing.rotation_rad, (out[:, :2] - start[:2]) / sensing.scale)
+    straight = start[:2] + moved - seen
+    out[:, :2] = _straightened(sensing, start[:2], seen, out[:, :2], straight) if sensing.lenses else straight
     return out
+
+
+def _straightened(
+    sensing: MeasurementModel, start: Array, seen: Array, reported: Array, there: Array
+) -> Array:
+    """Positions (T, 2) that are ``reported`` through lenses, from guesses ``there``."""
+    turned = np.stack([rotate_rows(sensing.rotation_rad, way) for way in np.eye(2)], axis=1)
+    miss = np.full_like(there, np.inf)
+    for _ in range(_STEPS):
+        moved = sensing.scale * rotate_rows(sensing.rotation_rad, there - start + seen)
+        miss = start + moved + _bent(sensing, there) - _bent(sensing, start) - reported
+        slope = sensing.scale[:, None] * turned + sum(lens.slope(there) for lens in sensing.lenses)
+        there = there - np.linalg.solve(slope, miss[..., None])[..., 0]
+    if np.nanmax(np.abs(miss), initial=0.0) > _MISSED_M:
+        raise InputError(
+            "effect", "a lens that bends so much shows two places at one point", "correct the runs by hand"
+        )
+    return there
+
+
+def _bent(sensing: MeasurementModel, position: Array) -> Array:
+    """How far off (..., 2) lenses show positions [m]."""
+    return np.asarray(sum((lens.shift(position) for lens in sensing.lenses), np.zeros_like(position)))
 
 
 def _variable(variable: Variable, t_s: Array, pose: Array) -> Array:

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import final, overload
 
 from slipmargin.effects.camera_delay import CameraDelay
+from slipmargin.effects.camera_lens import CameraLens
 from slipmargin.effects.camera_rotation import CameraRotation
 from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.clock_rate import ClockRate
@@ -137,6 +138,7 @@ CATALOGUE = Catalogue(
         SpeedDroop,
         WheelPlay,
         CameraScale,
+        CameraLens,
         CameraRotation,
         CameraDelay,
         ClockRate,

@@ -195,13 +195,33 @@ class ActuatorDynamics:
 
 
 @final
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lens:
+    """A picture that is stretched by 1 + ``bend_per_m2`` d² at the distance d from ``centre_m`` (2,)."""
+
+    bend_per_m2: float
+    centre_m: tuple[float, float]
+
+    def shift(self, position: Array) -> Array:
+        """How far off positions (..., 2) [m] are seen [m]."""
+        off = position - np.array(self.centre_m)
+        return np.asarray(self.bend_per_m2 * np.sum(off**2, axis=-1, keepdims=True) * off)
+
+    def slope(self, position: Array) -> Array:
+        """How that changes with the position (..., 2, 2) [1]."""
+        off = position - np.array(self.centre_m)
+        square = np.sum(off**2, axis=-1)[..., None, None]
+        return np.asarray(self.bend_per_m2 * (square * np.eye(2) + 2.0 * off[..., None] * off[..., None, :]))
+
+
+@final
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MeasurementModel:
     """From the true pose to the measured one.
 
     Measured position = ``scale`` ∘ R(``rotation_rad``) (p + R(φ) ``marker_m``), measured heading =
     ``heading_gain`` φ, both read ``delay_s`` late; a stated time is in truth ``clock`` times as long;
-    ``warps`` add (Δx, Δy, Δφ) [m, m, rad] over a variable of the pose or time.
+    ``warps`` add (Δx, Δy, Δφ) [m, m, rad] over a variable of the pose or time, ``lenses`` shift positions.
     """
 
     scale: Array
@@ -210,6 +230,7 @@ class MeasurementModel:
     delay_s: float
     marker_m: Array
     warps: tuple[PoseShift, ...] = ()
+    lenses: tuple[Lens, ...] = ()
     clock: float = 1.0
 
     def __post_init__(self) -> None:

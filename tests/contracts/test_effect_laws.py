@@ -65,6 +65,7 @@ UNIT_WORDS = {
     "s²/rad": "s2_per_rad",
     "rad/s": "rad_s",
     "s/rad": "s_per_rad",
+    "1/m²": "per_m2",
     "rad/(s N m)": "rad_s_per_N_m",
     "N s/m": "N_s_per_m",
     "N m": "N_m",

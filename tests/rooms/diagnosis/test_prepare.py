@@ -11,7 +11,7 @@ from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.sense import is_ideal, measure, true_pose
 from slipmargin.errors import InputError
-from slipmargin.model.parts import MeasurementModel
+from slipmargin.model.parts import Lens, MeasurementModel
 from slipmargin.physics.terms import PoseShift
 from slipmargin.physics.variables import Basis, Variable
 
@@ -98,16 +98,20 @@ def test_a_faulty_sensor_by_hand() -> None:
         shape=np.array([1.0, 0.0]),
     )
     np.testing.assert_allclose(seen(sensing(warps=(warp,)))[1], [2.0, 2.0, 1.7])
+    lens = Lens(bend_per_m2=-0.1, centre_m=(1.0, 1.0))  # bent by 0.1 m up to the start, 0.2 m each way after
+    np.testing.assert_allclose(seen(sensing(lenses=(lens,)))[1], [2.0 - 0.2, 2.0 - 0.2 + 0.1, 1.5])
 
 
 @pytest.mark.parametrize("delay_s", [0.0, 0.08, -0.08])
-def test_what_a_faulty_sensor_saw_is_found_again(delay_s: float) -> None:
+@pytest.mark.parametrize("lenses", [(), (Lens(bend_per_m2=0.05, centre_m=(0.3, -1.0)),)])
+def test_what_a_faulty_sensor_saw_is_found_again(delay_s: float, lenses: tuple[Lens, ...]) -> None:
     faulty = MeasurementModel(
         scale=np.array([0.93, 1.05]),
         rotation_rad=0.2,
         heading_gain=1.1,
         delay_s=delay_s,
         marker_m=np.array([0.05, -0.1]),
+        lenses=lenses,
     )
     true = smooth() + np.array([0.3, -0.2, 0.7])
     again = true_pose(faulty, T, measure(faulty, [T], true[None])[0])
