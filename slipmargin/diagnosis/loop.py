@@ -171,7 +171,7 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
             *of_one_run(len(data_set.trials)),
             *of_the_draw(checked, before.chi),
             *of_pieces(state),
-            *of_small_shares(found),
+            *of_small_shares(found, state, after.chi),
             *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
     )

@@ -97,17 +97,19 @@ def of_pieces(state: State | None) -> tuple[str, ...]:
     )
 
 
-def of_small_shares(found: Sequence[Finding]) -> tuple[str, ...]:
+def of_small_shares(found: Sequence[Finding], state: State | None, held_chi: float) -> tuple[str, ...]:
     """Which names take off less than what stays unexplained: what that is may be behind them.
 
-    By the mean squares beyond the noise of the runs that were left out of the fit.
+    By mean squares beyond the noise: what is left is that of the runs that nothing has seen (``held_chi``),
+    where they were judged whole, else that of those left out of a fit.
     """
+    whole = state is not None and state.view.piece is None
     small = [
         f"`{f.label}`"
         for f in found
         if not f.doubts
-        and f.chi_with > SETTINGS.noise_chi
-        and f.chi_without**2 - f.chi_with**2 < f.chi_with**2 - 1.0
+        and (left := max(f.chi_with, held_chi) if whole else f.chi_with) > SETTINGS.noise_chi
+        and f.chi_without**2 - f.chi_with**2 < left**2 - 1.0
     ]
     if not small:
         return ()
