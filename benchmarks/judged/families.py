@@ -703,6 +703,7 @@ SINCE = (
     "floor_ramp",
     "floor_seam",
     "fourfold_floor",
+    "lens_distortion",
     "out_of_round_wheel",
     "push_event",
     "slick_patch",
