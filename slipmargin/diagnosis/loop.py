@@ -121,7 +121,7 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
         remaining = last.map()
     near, traces = verdict is Verdict.NO_MISSING_EFFECT, [f.traced_to for f in found]
     rejected = () if near else checked.rejected  # near the noise only the map's leads stand out
-    changing = () if near or explained or watch.expired else drifts(problem, fitted, s.runs, seed)
+    changing = () if near or explained else drifts(problem, fitted, s.runs, seed)
     made = leads(remaining, turns, last, rejected, traces, changing) if near or not explained else ()
     places = [d.folder or d.name for d in data_set.members or (data_set,)]
     following = tuple(lead for lead in made if lead.stands_out or not near)

@@ -113,14 +113,7 @@ def test_what_changes_more_than_forces_is_not_beside(what: str) -> None:
             external=replace(
                 model.external,
                 reliefs=(
-                    Relief(
-                        profile=Profile.RIDGE,
-                        size=0.001,
-                        extent_m=0.01,
-                        edge_m=0.001,
-                        offset_m=0.0,
-                        direction_rad=0.0,
-                    ),
+                    Relief(profile=Profile.RIDGE, size=0.001, extent_m=0.01, edge_m=0.001, place=(0.0, 0.0)),
                 ),
             ),
         ),
