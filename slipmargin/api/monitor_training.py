@@ -155,11 +155,11 @@ def _settled(used: Array) -> NDArray[np.bool_]:
     """Samples (T,) that grip or slip clearly, and have done so for as long as the filters remember."""
     slips, grips = used > _SLIPS, used < _GRIPS
     remembered = round(2.0 * TAU_S / _STEP_S)
-    clear = np.zeros(len(used), dtype=bool)
-    for k in range(len(used)):
-        window = slice(max(0, k - remembered), k + 1)
-        clear[k] = bool(np.all(grips[window]) or np.mean(slips[window]) > 0.6)
-    return clear & (slips | grips)
+    last = np.arange(len(used)) + 1
+    first = np.maximum(last - 1 - remembered, 0)
+    counted = [np.concatenate([[0], np.cumsum(part)]) for part in (grips, slips)]
+    gripped, slipped = ((sums[last] - sums[first]) / (last - first) for sums in counted)
+    return np.asarray(((gripped == 1.0) | (slipped > 0.6)) & (slips | grips))
 
 
 def from_data_set(
