@@ -56,6 +56,7 @@ NUMERICS = {
     "diagnosis/ranges.py": {"_MOST", "_SPAN_S"},
     "diagnosis/residual_diagnostics.py": {"_BINS", "_SHIFTS", "_SPAN_S"},
     "diagnosis/run_order.py": {"_STEPS", "_APART", "_PERMUTATIONS"},
+    "diagnosis/sense.py": {"_STEPS", "_MISSED_M"},
     "diagnosis/signals.py": {"_ROUGHLY", "_SAME", "_LOOSEST", "_LONGEST"},
     "diagnosis/tangents.py": {"_AT_ONCE"},
     "diagnosis/verdict.py": {"_EXACT", "_DRAWN", "_POSITION", "_HEADING"},
