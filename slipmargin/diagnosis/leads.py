@@ -93,7 +93,7 @@ def leads(
     last: Round | None,
     rejected: Sequence[Rejected],
     found: Sequence[Trace],
-    drifts: Sequence[Drift] = (),
+    drift: Drift | None = None,
 ) -> tuple[Lead, ...]:
     """What to look at next, best first.
 
@@ -173,9 +173,8 @@ def leads(
         if row.label in borne_out:
             add(of_fit(row))
     most = max((e.share for e in entries if e.supported), default=0.0)
-    for drift in drifts:
-        if drift.share > most:
-            add(_of_drift(drift))
+    if drift is not None and drift.share > most:
+        add(_of_drift(drift))
     hurting: list[MapEntry] = []
     for entry in sorted(entries, key=place):
         no, own = refused.get(entry.form), best.get(entry.traced_to)
@@ -185,7 +184,7 @@ def leads(
             hurting.append(entry)
         else:
             add(of_map(entry))
-    for drift in drifts:
+    if drift is not None:
         add(_of_drift(drift))
     for turn in turns:
         add(

@@ -31,7 +31,7 @@ from slipmargin.diagnosis.remarks import (
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
 from slipmargin.diagnosis.rounds import Round
-from slipmargin.diagnosis.run_order import drifts
+from slipmargin.diagnosis.run_order import drift_in
 from slipmargin.diagnosis.searched import Searched, events_of
 from slipmargin.diagnosis.settings import SETTINGS
 from slipmargin.diagnosis.signals import InterpolationScheme
@@ -121,8 +121,8 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
         remaining = last.map()
     near, traces = verdict is Verdict.NO_MISSING_EFFECT, [f.traced_to for f in found]
     rejected = () if near else checked.rejected  # near the noise only the map's leads stand out
-    changing = () if near or explained else drifts(problem, fitted, s.runs, seed)
-    made = leads(remaining, turns, last, rejected, traces, changing) if near or not explained else ()
+    drift = None if near or explained else drift_in(problem, fitted, s.runs, seed)
+    made = leads(remaining, turns, last, rejected, traces, drift) if near or not explained else ()
     places = [d.folder or d.name for d in data_set.members or (data_set,)]
     following = tuple(lead for lead in made if lead.stands_out or not near)
     return Diagnosis(

@@ -77,10 +77,10 @@ def _scaled(factor: float, wheels: int, trace: Trace, part: Part) -> GeneralEffe
     return GeneralEffect(traced_to=trace, part=part, terms=(term,))
 
 
-def drifts(
+def drift_in(
     problem: Problem, effects: tuple[AnyEffect, ...], runs: Sequence[int], seed: int
-) -> tuple[Drift, ...]:
-    """What grows or falls from run to run beside some effects, largest share first.
+) -> Drift | None:
+    """What grows or falls from run to run beside some effects: what takes most off, None where nothing does.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ def drifts(
     """
     places, own = np.unique(runs, return_inverse=True)
     if len(places) < SETTINGS.drift_runs:
-        return ()
+        return None
     looked: list[tuple[str, str, Callable[[float, int], GeneralEffect]]] = [
         ("The grip", "dust that gathers or wheels that warm", grip_times)
     ]
@@ -111,7 +111,7 @@ def drifts(
         if p <= SETTINGS.significance and line <= kept * min(before, level):
             ends = np.asarray(np.polyval(_line(factors, weights, 1), np.array([0.0, len(factors) - 1.0])))
             found.append(Drift(what=what, cause=cause, ends=ends, share=share, p_value=p))
-    return tuple(sorted(found, key=lambda d: -d.share))
+    return max(found, key=lambda d: d.share, default=None)
 
 
 def _by_run(
@@ -130,11 +130,12 @@ def _by_run(
     factors: Array = np.ones(many)
     weights: Array = np.zeros(many)
     left: Array = np.zeros(many)
-    before = float(np.sum(np.concatenate(problem.residuals([effects] * count, each)) ** 2))
-    for _ in range(_STEPS):
+    before = 0.0
+    for number in range(_STEPS):
         sets = [(*effects, made(float(f), wheels)) for f in np.concatenate([factors, factors + _APART])]
         rows = np.concatenate(problem.residuals([sets[k] for k in (*own, *(own + many))], [*each, *each]))
         at, slope = rows[:count], (rows[count:] - rows[:count]) / _APART
+        before = float(np.sum(at**2)) if not number else before  # all factors are 1 at first
         weights = np.asarray(np.bincount(own, np.sum(slope**2, axis=1)), dtype=float)
         step = -np.bincount(own, np.sum(slope * at, axis=1)) / np.maximum(weights, 1e-300)
         moved = np.clip(factors + step, *SETTINGS.drift_factors)

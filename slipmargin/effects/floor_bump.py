@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import e, log
 from typing import final
 
 from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
-from slipmargin.effects.places import EDGE_M, PLACE_X, PLACE_Y, place
+from slipmargin.effects.places import AROUND_X, AROUND_Y, EDGE_M, place
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
-from slipmargin.physics.relief import Profile, Relief
+from slipmargin.physics.relief import Profile, Relief, steepest
 
 #: Where fits start: in the middle of the runs and around it, a third as wide as they reach …
-_PLACES = 13
 _WIDE = 0.35
 #: … and on a place that the data point to: heights [m] that are noticed on a bump as wide as a robot.
 _HIGH = (0.01, -0.01)
@@ -47,7 +45,7 @@ class FloorBump(Effect):
             "centre",
             "middle of the bump on the floor",
             0.02,
-            (PLACE_X[:_PLACES], PLACE_Y[:_PLACES]),
+            (AROUND_X, AROUND_Y),
             along="position",
         ),
         parameter(
@@ -85,5 +83,5 @@ class FloorBump(Effect):
     def derived(self, model: Model) -> tuple[Quantity, ...]:
         """The steepest slope on the way up."""
         del model
-        steepest = abs(self.height_m) / self.radius_m * (2.0 * log(2.0) / e) ** 0.5
-        return (Quantity(name="steepest_slope", value=steepest, unit="1"),)
+        value = steepest(self.height_m, 2.0 * self.radius_m)
+        return (Quantity(name="steepest_slope", value=value, unit="1"),)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import log, pi
+from math import pi
 from typing import final
 
 from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
 from slipmargin.effects.places import EDGE_M, line
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
-from slipmargin.physics.relief import Profile, Relief
+from slipmargin.physics.relief import Profile, Relief, steepest
 
 #: Where fits start: wide ridges across what the runs cover, their lines turned by 30 degrees each.
 _AHEAD = tuple(k * pi / 6.0 for k in range(6))
@@ -88,5 +88,5 @@ class FloorSeam(Effect):
     def derived(self, model: Model) -> tuple[Quantity, ...]:
         """The steepest slope on the way up."""
         del model
-        steepest = abs(self.height_m) / self.width_m * (8.0 * log(2.0)) ** 0.5 * 2.718281828459045**-0.5
-        return (Quantity(name="steepest_slope", value=steepest, unit="1"),)
+        value = steepest(self.height_m, self.width_m)
+        return (Quantity(name="steepest_slope", value=value, unit="1"),)

@@ -13,12 +13,12 @@ _WITHIN_M = 100.0
 #: Starts of a place: the middle and two rings of six, in shares of how far the runs reach from there …
 _RINGS = (0.2, 0.55)
 _ANGLES = tuple(k * math.pi / 3.0 for k in range(6))
-_X = (0.0, *(ring * math.cos(angle) for ring in _RINGS for angle in _ANGLES))
-_Y = (0.0, *(ring * math.sin(angle) for ring in _RINGS for angle in _ANGLES))
+AROUND_X = (0.0, *(ring * math.cos(angle) for ring in _RINGS for angle in _ANGLES))
+AROUND_Y = (0.0, *(ring * math.sin(angle) for ring in _RINGS for angle in _ANGLES))
 #: … each with three radii, in the same shares.
 _RADII = (0.15, 0.35, 0.65)
-PLACE_RADIUS = tuple(radius for radius in _RADII for _ in _X)
-PLACE_X, PLACE_Y = _X * len(_RADII), _Y * len(_RADII)
+PLACE_RADIUS = tuple(radius for radius in _RADII for _ in AROUND_X)
+PLACE_X, PLACE_Y = AROUND_X * len(_RADII), AROUND_Y * len(_RADII)
 #: Starts of a line: normals all around [rad], through the middle and some way out, in the same shares.
 LINE_DIRECTION = tuple(k * math.pi / 4.0 for k in range(8))
 LINE_OFFSET = (0.0, 0.3)

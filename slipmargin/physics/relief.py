@@ -41,6 +41,11 @@ def rise(profile: Any, size: Any, extent: Any, edge: Any, d: Any) -> Any:
     return -4.0 * _LN_2 * size / extent * z * np.exp(-_LN_2 * z * z)
 
 
+def steepest(size: float, extent: float) -> float:
+    """The largest |dh/dd| [1] of a ridge or a bump."""
+    return abs(size) / extent * float(np.sqrt(8.0 * _LN_2 / np.e))
+
+
 def beyond(offset: Any, direction: Any, x: Any, y: Any) -> Any:
     """How far (x, y) lies beyond the line at ``offset`` [m] whose normal points in ``direction`` [rad]."""
     return x * np.cos(direction) + y * np.sin(direction) - offset

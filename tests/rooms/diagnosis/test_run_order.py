@@ -16,7 +16,7 @@ from slipmargin.diagnosis.data_problem import problem_of
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.loop import diagnose
 from slipmargin.diagnosis.result import LeadSource, Verdict
-from slipmargin.diagnosis.run_order import Drift, drifts
+from slipmargin.diagnosis.run_order import Drift, drift_in
 from slipmargin.effects import Trace
 
 COUNT = 8
@@ -40,12 +40,13 @@ def slowed(data_set: DataSet, factors: np.ndarray) -> DataSet:
     return each(data_set, told)
 
 
-def found_in(data_set: DataSet) -> tuple[Drift, ...]:
-    return drifts(problem_of(data_set), (), range(COUNT), seed=1)
+def found_in(data_set: DataSet) -> Drift | None:
+    return drift_in(problem_of(data_set), (), range(COUNT), seed=1)
 
 
 def test_a_battery_that_empties_from_run_to_run_is_seen(commanded: DataSet) -> None:
-    (drift,) = found_in(slowed(commanded, np.linspace(1.0, 0.86, COUNT)))
+    drift = found_in(slowed(commanded, np.linspace(1.0, 0.86, COUNT)))
+    assert drift is not None
     assert drift.what == "The speed that a command makes"
     np.testing.assert_allclose(drift.ends, [1.0, 0.86], atol=0.01)
     assert drift.p_value <= 0.01 and drift.share > 0.9
@@ -55,22 +56,23 @@ def test_a_battery_that_empties_from_run_to_run_is_seen(commanded: DataSet) -> N
 def test_speeds_that_differ_without_an_order_and_runs_in_which_nothing_changes_say_nothing(
     commanded: DataSet,
 ) -> None:
-    assert found_in(commanded) == ()
+    assert found_in(commanded) is None
     mixed = np.linspace(1.0, 0.86, COUNT)[[3, 6, 1, 4, 0, 7, 2, 5]]
-    assert found_in(slowed(commanded, mixed)) == ()
+    assert found_in(slowed(commanded, mixed)) is None
     # The same speed too slow in all is no order either.
-    assert found_in(slowed(commanded, np.full(COUNT, 0.9))) == ()
+    assert found_in(slowed(commanded, np.full(COUNT, 0.9))) is None
 
 
 def test_grip_that_grows_is_seen_and_five_runs_are_too_few() -> None:
     plain = good(3, count=COUNT)
     floors = [other_floor(plain, set(range(COUNT)), factor) for factor in np.linspace(0.7, 1.0, COUNT)]
     trials = tuple(floor.trials[i] for i, floor in enumerate(floors))
-    (drift,) = found_in(replace(plain, trials=trials))
+    drift = found_in(replace(plain, trials=trials))
+    assert drift is not None
     assert drift.what == "The grip" and "grows from run to run" in drift.sentence
     np.testing.assert_allclose(drift.ends, [0.7, 1.0], atol=0.03)
     five = replace(plain, trials=trials[:5])
-    assert drifts(problem_of(five), (), range(5), seed=1) == ()
+    assert drift_in(problem_of(five), (), range(5), seed=1) is None
 
 
 def test_parts_of_a_run_have_one_factor(commanded: DataSet) -> None:
@@ -80,7 +82,8 @@ def test_parts_of_a_run_have_one_factor(commanded: DataSet) -> None:
     rest = [t.part(slice(len(t.t_s) // 2, None)) for t in data.trials]
     parts = [r for pair in zip(half, rest, strict=True) for r in pair]
     own = np.repeat(np.arange(COUNT), 2).tolist()
-    (drift,) = drifts(problem_of(data, tuple(parts), own), (), own, seed=1)
+    drift = drift_in(problem_of(data, tuple(parts), own), (), own, seed=1)
+    assert drift is not None
     np.testing.assert_allclose(drift.ends, [1.0, 0.86], atol=0.02)
 
 
@@ -88,13 +91,13 @@ def test_it_leads_where_nothing_on_the_map_takes_off_more() -> None:
     entries = residual_map()
     most = max(e.share for e in entries if e.supported)
     drift = Drift(what="The grip", cause="dust", ends=np.array([1.0, 0.7]), share=most + 0.1, p_value=0.002)
-    first = leads(entries, (), None, (), (), [drift])[0]
+    first = leads(entries, (), None, (), (), drift)[0]
     assert first.traced_to is Trace.TIME and first.source is LeadSource.RUN_ORDER and first.follows
     assert "first, in the middle and last" in first.next_run
     less = replace(drift, share=most - 0.1)
-    made = leads(entries, (), None, (), (), [less])
+    made = leads(entries, (), None, (), (), less)
     assert [x.source for x in made] == [LeadSource.MAP, LeadSource.RUN_ORDER]
-    assert leads((), (), None, (), [Trace.TIME], [drift]) == ()
+    assert leads((), (), None, (), [Trace.TIME], drift) == ()
 
 
 def test_a_diagnosis_of_such_runs_says_so(commanded: DataSet) -> None:
