@@ -198,7 +198,7 @@ def leads(
             )
         )
     for row in rows:
-        if not row.fitted or row.hurts or row.share < _least_share():
+        if not row.fitted or row.hurts or row.share < SETTINGS.least_lead_of_squares:
             continue
         add(of_fit(row))
     for entry in hurting:
@@ -229,11 +229,6 @@ def _of_drift(drift: Drift) -> Lead:
         share=drift.share,
         p_value=drift.p_value,
     )
-
-
-def _least_share() -> float:
-    """The share of the sum of squares that belongs to the share of chi that a fit must take off."""
-    return 1.0 - (1.0 - SETTINGS.least_lead) ** 2
 
 
 def _of_runs(row: Followed | None, form: str, one_run: bool) -> str:

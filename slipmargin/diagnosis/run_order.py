@@ -107,7 +107,7 @@ def drift_in(
         p = min(1.0, len(looked) * _in_order(factors[_told(weights)], seed))
         line, level = (_left(factors, weights, least, degree) for degree in (1, 0))
         share = 1.0 - line / before
-        kept = (1.0 - SETTINGS.least_lead) ** 2  # of a sum of squares
+        kept = 1.0 - SETTINGS.least_lead_of_squares
         if p <= SETTINGS.significance and line <= kept * min(before, level):
             ends = np.asarray(np.polyval(_line(factors, weights, 1), np.array([0.0, len(factors) - 1.0])))
             found.append(Drift(what=what, cause=cause, ends=ends, share=share, p_value=p))

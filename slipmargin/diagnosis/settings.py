@@ -317,6 +317,11 @@ class SearchSettings:
     #: [s] Phases are guessed in pieces this long: a wrong one early on must not spoil what follows.
     phase_piece_s: float = 0.3
 
+    @property
+    def least_lead_of_squares(self) -> float:
+        """The share of a sum of squares that ``least_lead`` is of chi [1]."""
+        return 1.0 - (1.0 - self.least_lead) ** 2
+
 
 @final
 @dataclass(frozen=True, slots=True, kw_only=True)

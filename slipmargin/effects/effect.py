@@ -73,6 +73,8 @@ _FIELDS = {
     Part.TRANSIENTS: "actuators",
     Part.SENSING: "measurement",
 }
+#: Where an effect counts that limits leave out; what they are those of comes after it.
+IN_MOTIONS = "simulated motions and diagnose; limits and plans are those of "
 _COUNTS_IN = {
     Part.SENSING: "diagnose only: it is a fault of what is measured, not of the robot",
     Part.TRANSIENTS: "simulate and diagnose with commands; limits, plans and stops are those of wheels "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
+from slipmargin.effects.effect import IN_MOTIONS, Effect, Part, Quantity, Scope, Trace, parameter
 from slipmargin.effects.places import AROUND_X, AROUND_Y, EDGE_M, place
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
@@ -59,7 +59,7 @@ class FloorBump(Effect):
             along="position",
         ),
     )
-    counts_in = "simulated motions and diagnose; limits and plans are those of a level floor"
+    counts_in = IN_MOTIONS + "a level floor"
     source = "weight on a slope around a middle, wheel by wheel; positive = a bump"
     confirm = "lay a straight edge over the place, or see which way a ball rolls there"
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import pi, tan
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
+from slipmargin.effects.effect import IN_MOTIONS, Effect, Part, Quantity, Scope, Trace, parameter
 from slipmargin.effects.places import EDGE, EDGE_M, line
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
@@ -64,7 +64,7 @@ class FloorRamp(Effect):
         ),
         EDGE,
     )
-    counts_in = "simulated motions and diagnose; limits and plans are those of a level floor"
+    counts_in = IN_MOTIONS + "a level floor"
     source = "weight on an inclined plane, wheel by wheel; positive = uphill in the strip's direction"
     confirm = "lay a straight edge or a spirit level on the floor there"
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import final
 
-from slipmargin.effects.effect import Effect, Part, Quantity, Scope, Trace, parameter
+from slipmargin.effects.effect import IN_MOTIONS, Effect, Part, Quantity, Scope, Trace, parameter
 from slipmargin.effects.places import EDGE_M, line
 from slipmargin.model import Model
 from slipmargin.model.parts import ExternalWrench
@@ -64,7 +64,7 @@ class FloorSeam(Effect):
             along="position",
         ),
     )
-    counts_in = "simulated motions and diagnose; limits and plans are those of a level floor"
+    counts_in = IN_MOTIONS + "a level floor"
     source = "weight on a slope that changes its sign, wheel by wheel; positive = a ridge"
     confirm = "lay a straight edge across the line and measure the gap beside it"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import final
 
-from slipmargin.effects.effect import Part, Quantity, Scope, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import IN_MOTIONS, Part, Quantity, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.model.parts import ActuatorDynamics
 
@@ -38,7 +38,7 @@ class WheelPlay(WheelEffect):
             starts=(0.02, 0.1, 0.3),
         ),
     )
-    counts_in = "simulated motions and diagnose; limits and plans are those of wheels without play"
+    counts_in = IN_MOTIONS + "wheels without play"
     source = "play operator of gears with the encoder on the motor (Visintin 1994, section III.2); whole play"
     confirm = "hold the motor, turn the wheel to and fro by hand and read how far it goes"
 

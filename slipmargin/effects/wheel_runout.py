@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Quantity, Scope, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import IN_MOTIONS, Part, Quantity, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import WheelGeometry
 
@@ -44,7 +44,7 @@ class WheelRunout(WheelEffect):
     all_wheels, one_wheel = False, True
     needs_wheel_phase = True
     needs_wheel_angles = True
-    counts_in = "simulated motions and diagnose; limits and plans are those of round wheels"
+    counts_in = IN_MOTIONS + "round wheels"
     source = "eq. (2) with a radius that depends on the wheel's angle; positive = larger there"
     confirm = "lift the robot, turn the wheel against a dial gauge and read how far its rim moves in one turn"
 

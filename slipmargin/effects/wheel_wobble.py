@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from slipmargin.effects.effect import Part, Quantity, Scope, Trace, WheelEffect, parameter
+from slipmargin.effects.effect import IN_MOTIONS, Part, Quantity, Scope, Trace, WheelEffect, parameter
 from slipmargin.model import Model
 from slipmargin.physics.kinematics import WheelGeometry
 
@@ -45,7 +45,7 @@ class WheelWobble(WheelEffect):
     all_wheels, one_wheel = False, True
     needs_wheel_phase = True
     needs_wheel_angles = True
-    counts_in = "simulated motions and diagnose; limits and plans are those of wheels that run true"
+    counts_in = IN_MOTIONS + "wheels that run true"
     source = "Fig. 3, direction of the wheels, at the wheel's angle; positive counter-clockwise from above"
     confirm = "lift the robot, turn the wheel and see from above how far its rim swings to and fro"
 

@@ -6,6 +6,8 @@ and height [m], as :meth:`slipmargin.data.pulls.Pulls.settings` gives them.
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from slipmargin.checks import Array, Index
@@ -13,6 +15,7 @@ from slipmargin.limits.band import band
 from slipmargin.limits.pull import Pull
 from slipmargin.limits.sweep import limit_or_zero
 from slipmargin.model import Model
+from slipmargin.physics.kinematics import KEPT
 
 
 def setting_limits(model: Model, settings: Array, rigid: Array | None = None) -> Array:
@@ -31,13 +34,18 @@ def setting_bands(model: Model, settings: Array) -> tuple[Array, Array]:
     return found[0], found[1]
 
 
-def _alike(settings: Array) -> list[tuple[Pull, Index]]:
+def _alike(settings: Array) -> tuple[tuple[Pull, Index], ...]:
     """Settings that differ in orientation alone, gathered: the pull and its rows."""
-    rest = np.nan_to_num(settings[:, 1:], nan=np.inf)
+    return _gathered(np.asarray(settings, dtype=float).tobytes())
+
+
+@lru_cache(maxsize=KEPT)
+def _gathered(settings: bytes) -> tuple[tuple[Pull, Index], ...]:
+    rest = np.nan_to_num(np.frombuffer(settings).reshape(-1, 5)[:, 1:], nan=np.inf)
     kinds, kind = np.unique(rest, axis=0, return_inverse=True)
     found = []
     for number, (direction, x, y, height) in enumerate(kinds):
         point = None if np.isinf(x) else np.array([x, y])
         pull = Pull(direction_rad=float(direction), point_m=point, height_m=float(height))
         found.append((pull, np.flatnonzero(kind.ravel() == number)))
-    return found
+    return tuple(found)

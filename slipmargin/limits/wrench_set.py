@@ -9,11 +9,12 @@ body is the hull of points of its surface.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import final
 
 import numpy as np
 
-from slipmargin.checks import Array, frozen
+from slipmargin.checks import Array, frozen, read_only
 from slipmargin.limits.bias import loads_at_rest, refuse_lifting
 from slipmargin.limits.friction import Extreme, coefficients
 from slipmargin.model import Model
@@ -30,6 +31,7 @@ from slipmargin.physics.grips import (
     ellipse_support,
     polyhedral,
 )
+from slipmargin.physics.kinematics import KEPT
 from slipmargin.sets.facets import facet_normals
 from slipmargin.sets.hull import Hull, all_round
 from slipmargin.sets.zonotope import Zonotope
@@ -163,9 +165,14 @@ def wrench_maps(model: Model) -> Array:
 
 
 def box_normals(maps: Array) -> Array:
-    """(K, 3) outward normals of every facet; they depend on geometry alone."""
-    half = facet_normals(maps.reshape(3, -1))
-    return np.vstack([half, -half])
+    """(K, 3) outward normals of every facet, read-only; they depend on geometry alone."""
+    return _box_normals(np.asarray(maps, dtype=float).tobytes())
+
+
+@lru_cache(maxsize=KEPT)
+def _box_normals(maps: bytes) -> Array:
+    half = facet_normals(np.frombuffer(maps).reshape(3, -1))
+    return read_only(np.vstack([half, -half]))
 
 
 def moved_normals(normals: Array, shift_m: Array) -> Array:

@@ -254,7 +254,7 @@ def test_stopping_distances_are_turned(robot: Robot) -> None:
 
 @pytest.mark.parametrize("robot", [kiwi(), four_wheels()], ids=["kiwi", "mecanum"])
 def test_monitors_see_the_same_slip(robot: Robot) -> None:
-    paper, turned = (sm.SlipMonitor(r, "paper") for r in pair(robot))
+    paper, turned = (sm.SlipMonitor(r, "paper", false_alarm_rate=0.5) for r in pair(robot))
     for k in range(30):
         omega = np.resize([1.0, 2.0, 1.5, 0.5], len(robot.wheels)) * (8.0 if k > 20 else 0.4 * k)
         one, two = paper.update(0.01 * k, omega), turned.update(0.01 * k, omega)

@@ -38,7 +38,7 @@ def said(capsys: pytest.CaptureFixture[str], tmp_path: Path):
 
 def test_columns_that_a_monitor_does_not_read(said, tmp_path: Path) -> None:
     log = tmp_path / "log.csv"
-    words = ("monitor", "ohio-kiwi", log, "--surface", "paper")
+    words = ("monitor", "ohio-kiwi", log, "--surface", "paper", "--false-alarms", 0.5)
     rows = "".join(f"{0.01 * k:.2f},1,2,-3,500,7\n" for k in range(30))
     log.write_text(f"{MONITORED},gyro_deg_s,foo\n{rows}", encoding="utf-8")
     code, told = said(*words)
@@ -54,7 +54,7 @@ def test_columns_that_a_monitor_does_not_read(said, tmp_path: Path) -> None:
 
 
 def test_channels_that_a_monitor_was_made_without() -> None:
-    watch = sm.SlipMonitor("ohio-kiwi", "paper")
+    watch = sm.SlipMonitor("ohio-kiwi", "paper", false_alarm_rate=0.5)
     for channel in ({"gyro_rad_s": 9.0}, {"current_A": [1, 1, 1]}, {"commanded_rad_s": [1, 1, 1]}):
         with pytest.raises(InputError, match="has no effect: the monitor was made without it"):
             watch.update(0.0, [1.0, 1.0, 1.0], **channel)  # type: ignore[arg-type]

@@ -20,12 +20,14 @@ MOTION = "t_s,x_m,y_m,phi_rad\n" + "".join(f"{0.1 * k:.1f},{0.001 * k**2:.4f},0,
 SPEEDS = "t_s,omega1_rad_s,omega2_rad_s,omega3_rad_s\n" + "".join(f"{0.1 * k:.1f},1,1,1\n" for k in range(4))
 PULLS = "phi_rad,force_N\n0,5\n0.5,5.1\n1,4.9\n"
 KIWI = ("--surface", "paper")
+#: A monitor that trains on few runs.
+MONITOR = ("monitor", "ohio-kiwi", "FILE", *KIWI, "--false-alarms", "0.5")
 #: Command line, with FILE where the pipe stands → what is piped.
 READERS = {
     ("plan", "ohio-kiwi", "FILE", *KIWI, "--points", "40"): WAYS,
     ("check", "ohio-kiwi", "FILE", *KIWI): MOTION,
     ("simulate", "ohio-kiwi", "FILE", *KIWI): SPEEDS,
-    ("monitor", "ohio-kiwi", "FILE", *KIWI): SPEEDS,
+    MONITOR: SPEEDS,
     ("sweep", "ohio-kiwi", *KIWI, "--step", "45", "--measured", "FILE"): PULLS,
 }
 
@@ -80,7 +82,7 @@ def test_a_stream_that_is_no_text_is_refused(
 ) -> None:
     data = io.BytesIO(SPEEDS.encode() + b"\xe9,1,1,1\n")
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(data, encoding=locale))
-    assert status(["monitor", "ohio-kiwi", "-", *KIWI]) == 2
+    assert status(["-" if word == "FILE" else word for word in MONITOR]) == 2
     told = capsys.readouterr()
     assert "6:1: byte 0xe9 is not UTF-8 text" in told.err and len(told.out.splitlines()) == 5
 
