@@ -38,6 +38,7 @@ from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.verdict import judged
 from slipmargin.diagnosis.watch import Progress, Watch, cut_short, no_progress
 from slipmargin.effects.confined import acting
+from slipmargin.sim.threads import linear_algebra_alone
 
 #: Steps of the last fit, which starts where the search ended.
 _FINAL_STEPS = 6
@@ -74,11 +75,12 @@ def diagnose(
     """
     watch = Watch.of(progress, budget_s)
     watch("mending the data", 0.0)
-    conditions = ready(data_set, repairs, seed)
-    first = Attempt.of(conditions, seed, watch)
-    found = _diagnosed(first, budget_s)
-    other = first.with_white_noise()
-    return found if other is None else _diagnosed(other, budget_s)
+    with linear_algebra_alone():
+        conditions = ready(data_set, repairs, seed)
+        first = Attempt.of(conditions, seed, watch)
+        found = _diagnosed(first, budget_s)
+        other = first.with_white_noise()
+        return found if other is None else _diagnosed(other, budget_s)
 
 
 def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:

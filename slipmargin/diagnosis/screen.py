@@ -147,10 +147,11 @@ def screen(
     misfit = misfit_of(base.residual)
     found: list[tuple[tuple[Columns, ...], Array, Array, Array]] = []
 
-    def add(*numbers: int) -> None:
-        own = tuple(groups[n] for n in numbers)
-        rows = np.concatenate([np.arange(place[n], place[n + 1]) for n in numbers])
-        of_runs = np.array([run.T @ run for run in columns[:, :, rows]])
+    def rows_of(numbers: Sequence[int]) -> Index:
+        return np.concatenate([np.arange(place[n], place[n + 1]) for n in numbers])
+
+    def add(numbers: Sequence[int], of_runs: Array) -> None:
+        own, rows = tuple(groups[n] for n in numbers), rows_of(numbers)
         gram = np.array([of_runs[part].sum(axis=0) for part in parts])
         gains, step, steps = _left_out(own, gram, pulls[:, :, rows], misfit)
         logs = np.zeros(len(squares))
@@ -163,13 +164,18 @@ def screen(
         found.append((own, gains, step, logs))
 
     for number in range(len(groups)):
-        add(number)
+        add([number], _products(columns[:, :, place[number] : place[number + 1]]))
     ordered = _starts_of_each(found)
     singles = [numbers[0] for numbers in ordered]
     names = sorted((n for n in singles if groups[n].named), key=lambda n: -float(found[n][1][0]))
-    for one, two in combinations(names, 2):  # first what takes off more alone
-        if _can_be_two(groups[one], groups[two]):
-            add(one, two)
+    of_names = rows_of(names) if names else np.zeros(0, dtype=np.int64)
+    among = np.zeros(columns.shape[2], dtype=np.int64)
+    among[of_names] = np.arange(len(of_names))
+    products = _products(columns[:, :, of_names])
+    for pair in combinations(names, 2):  # first what takes off more alone
+        if _can_be_two(*(groups[n] for n in pair)):
+            own = among[rows_of(pair)]
+            add(pair, products[:, own[:, None], own])
     kept = [*ordered, *([n] for n in range(len(groups), len(found)))]
     most = np.array([gains[1:] for _, gains, _, _ in found]).max(axis=0)
     entries = [
@@ -194,6 +200,11 @@ def _beside(base: Fit, columns: Array) -> Array:
     own = base.jacobian.reshape(-1, len(base.x))
     keep = np.linalg.qr(own / np.maximum(np.linalg.norm(own, axis=0), 1e-300))[0]
     return np.asarray((flat - keep @ (keep.T @ flat)).reshape(columns.shape))
+
+
+def _products(columns: Array) -> Array:
+    """Products (R, M, M) of columns (R, K, M) with one another, run by run."""
+    return np.asarray(columns.transpose(0, 2, 1) @ columns)
 
 
 def _pulls(residual: Array, columns: Array, parts: Sequence[Index], block: int, seed: int) -> Array:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import itertools
 import os
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from functools import cache
-from typing import Any
+from typing import Any, cast
+
+from threadpoolctl import threadpool_limits
 
 _THREADS = os.cpu_count() or 1
 #: Fewer runs than this are over sooner than threads are handed their work.
@@ -23,6 +26,14 @@ def spread(work: Callable[[int], None], runs: int) -> None:
     jobs = [_pool(os.getpid()).submit(_several, work, low, high) for low, high in itertools.pairwise(cuts)]
     for job in jobs:
         job.result()
+
+
+def linear_algebra_alone() -> AbstractContextManager[Any]:
+    """While it lasts, linear algebra keeps to the thread that asks for it.
+
+    Its own threads and those of the runs would wait for one another; and matrices are small here.
+    """
+    return cast("AbstractContextManager[Any]", threadpool_limits(limits=1, user_api="blas"))
 
 
 @cache

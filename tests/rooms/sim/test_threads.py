@@ -7,6 +7,7 @@ import os
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info
 
 from slipmargin.paper.published import FOUND, command, paper_model
 from slipmargin.sim import threads as room
@@ -51,3 +52,16 @@ def test_runs_after_a_fork():
     code = child.exitcode
     child.kill()
     assert code == 0
+
+
+def linear_algebra() -> list[int]:
+    """How many threads each library of linear algebra may use."""
+    return [found["num_threads"] for found in threadpool_info() if found["user_api"] == "blas"]
+
+
+def test_linear_algebra_beside_runs_keeps_to_one_thread():
+    """The first list of a diagnosis took twice as long where other work had the second core."""
+    usual = linear_algebra()
+    with room.linear_algebra_alone():
+        assert usual and set(linear_algebra()) == {1}
+    assert linear_algebra() == usual
