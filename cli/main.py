@@ -69,7 +69,7 @@ _ParserError: type[Exception] = typer.BadParameter.__mro__[2]
 
 
 def run() -> None:
-    """Entry point of the ``slipmargin`` script; libraries' warnings only for those who ask for them."""
+    """Carry out what stands after ``slipmargin``; libraries' warnings are for those who ask for them."""
     if not sys.warnoptions and not os.environ.get("SLIPMARGIN_DEBUG"):
         warnings.simplefilter("ignore")
         logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where its cache is

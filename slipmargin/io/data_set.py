@@ -15,6 +15,7 @@ from slipmargin.data.data_set import LEAST_NOISE, MOST_NOISE, NOISE_CURE, DataSe
 from slipmargin.errors import InputError
 from slipmargin.io.robot_file import read_recipe
 from slipmargin.io.source import read_text
+from slipmargin.io.table import OTHER_MARKS, header_names
 from slipmargin.io.toml_table import Table, document
 from slipmargin.io.trial_file import read_pulls, read_trial
 
@@ -100,8 +101,10 @@ def _is_like_run(path: Path) -> bool:
     if path.suffix.lower() not in _LIKE_RUNS or not path.is_file():
         return False
     with path.open("rb") as file:
-        words = file.readline(4096).decode("utf-8", "replace").replace("\t", ",").replace(";", ",").split(",")
-    return any(word.strip().strip('"') in _COLUMNS for word in words)
+        line = file.readline(4096).decode("utf-8", "replace")
+    for mark in OTHER_MARKS:
+        line = line.replace(mark, ",")
+    return any(name in _COLUMNS for name in header_names(line))
 
 
 def _head(table: Table) -> tuple[str, str, WheelSignal | None, Array | None, float | None, float | None]:

@@ -141,7 +141,7 @@ def _quick(rows: list[str], columns: int) -> Array | None:
 
 
 #: What else separates columns, and its name.
-_OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
+OTHER_MARKS = {";": "semicolons", "\t": "tabs"}
 
 
 def header_names(line: str) -> tuple[str, ...]:
@@ -153,7 +153,7 @@ def _header(line: str, required: Sequence[str], known: Sequence[str] | None) -> 
     names = header_names(line)
     if not any(names):
         raise InputError("1:1", "there is no header", f"begin with {','.join(required) or 'column names'}")
-    for mark, called in _OTHER_MARKS.items():
+    for mark, called in OTHER_MARKS.items():
         if mark in line and len(names) == 1:
             cure = "separate them by commas, and write numbers with points"
             raise InputError("1:1", f"the columns are separated by {called}", cure)
