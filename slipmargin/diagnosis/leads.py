@@ -6,7 +6,7 @@ of squares would let the one or two runs that are farthest off decide.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import final
 
@@ -106,45 +106,108 @@ def leads(
     than anything there, else after it.  Where there is nothing of all that, the best there is, said to be
     weak.  What was found is no lead.
     """
-    rows = [] if last is None else followed(last)
-    # one run is a fold of its own: nothing is left out of any fit
-    one_run = last is not None and len(last.before.parts) == 1
-    best: dict[Trace, Followed] = {}
-    for row in rows:
-        best.setdefault(row.trace, row)
-    fits: dict[Trace, str] = {}
-    for row in rows:
-        if row.fitted:
-            fits.setdefault(row.trace, row.label)
-    refused = {label: r for r in rejected for label in r.labels}
-    # of several together, or beside what was found, none has shown anything by itself
-    alone = [r for r in rejected if len(r.labels) == 1 and not found]
-    borne_out = {r.labels[0]: r for r in alone if r.borne_out}
-    lower = [r for r in sorted(alone, key=lambda r: r.chi_after) if r.lowers]
-    made: list[Lead] = []
+    evidence = _Evidence.of(last, rejected, beside=bool(found))
+    of_each: dict[Trace, Lead] = {}
+    for lead in evidence.in_order(entries, turns, drift):
+        if lead.traced_to not in found:
+            of_each.setdefault(lead.traced_to, lead)
+    if not of_each and entries:
+        weak = evidence.weak(max(entries, key=lambda e: e.share))
+        of_each = {} if weak.traced_to in found else {weak.traced_to: weak}
+    return tuple(of_each.values())[: SETTINGS.most_leads]
 
-    def add(lead: Lead) -> None:
-        if lead.traced_to not in {*found, *(m.traced_to for m in made)}:
-            made.append(lead)
 
-    def place(entry: MapEntry) -> tuple[int, float, bool, float]:
-        trace = entry.traced_to
-        row, before = best.get(trace), 0.0 if last is None else last.before.chi
-        unseen = next((i for i, r in enumerate(lower) if trace in r.traced_to), len(lower))
+@final
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class _Evidence:
+    """What speaks for and against the candidates of a round.
+
+    ``rows`` are those of :func:`followed`, ``best`` the first of each variable, ``fits`` the label of the
+    first of each that was fitted; ``chi`` is what the round began with.  ``refused`` says by label what is
+    not claimed; of what was asked by itself, ``borne_out`` holds for runs that it was not fitted to, and
+    ``lower`` lowers their error, the least error first.  Of ``one_run`` nothing is left out of any fit.
+    """
+
+    rows: list[Followed]
+    best: dict[Trace, Followed]
+    fits: dict[Trace, str]
+    chi: float
+    one_run: bool
+    refused: dict[str, Rejected]
+    borne_out: dict[str, Rejected]
+    lower: list[Rejected]
+
+    @staticmethod
+    def of(last: Round | None, rejected: Sequence[Rejected], *, beside: bool) -> _Evidence:
+        """That of a round; what was rejected ``beside`` something found has shown nothing by itself."""
+        rows = [] if last is None else followed(last)
+        best: dict[Trace, Followed] = {}
+        fits: dict[Trace, str] = {}
+        for row in rows:
+            best.setdefault(row.trace, row)
+            if row.fitted:
+                fits.setdefault(row.trace, row.label)
+        alone = [] if beside else [r for r in rejected if len(r.labels) == 1]
+        return _Evidence(
+            rows=rows,
+            best=best,
+            fits=fits,
+            chi=0.0 if last is None else last.before.chi,
+            one_run=last is not None and len(last.before.parts) == 1,
+            refused={label: r for r in rejected for label in r.labels},
+            borne_out={r.labels[0]: r for r in alone if r.borne_out},
+            lower=[r for r in sorted(alone, key=lambda r: r.chi_after) if r.lowers],
+        )
+
+    def in_order(
+        self, entries: Sequence[MapEntry], turns: Sequence[Periodicity], drift: Drift | None
+    ) -> Iterator[Lead]:
+        """Every lead, best first; a variable may come more than once."""
+        for row in self.rows:
+            if row.label in self.borne_out:
+                yield self._of_fit(row)
+        drifts = [] if drift is None else [_of_drift(drift)]
+        if drift is not None and drift.share > max((e.share for e in entries if e.supported), default=0.0):
+            yield from drifts
+        told = [e for e in sorted(entries, key=self._place) if e.supported and not self._made_worse(e.form)]
+        hurting = [e for e in told if (own := self.best.get(e.traced_to)) is not None and own.hurts]
+        yield from (self._of_map(entry) for entry in told if entry not in hurting)
+        yield from drifts
+        yield from (self._of_turn(turn) for turn in turns)
+        for row in self.rows:
+            if row.fitted and not row.hurts and row.share >= SETTINGS.least_lead_of_squares:
+                yield self._of_fit(row)
+        yield from (self._of_map(entry) for entry in hurting)
+
+    def weak(self, entry: MapEntry) -> Lead:
+        """The best there is where there is no lead."""
+        nearest = f"{entry.form} comes nearest (p = {entry.p_value:.2g} among all candidates)"
+        return self._mapped(entry, f"weak: nothing stands out; {nearest}")
+
+    def _made_worse(self, label: str) -> bool:
+        """Whether a candidate, judged as a correction, did not lower the error."""
+        no = self.refused.get(label)
+        return no is not None and no.chi_after >= no.chi_before
+
+    def _place(self, entry: MapEntry) -> tuple[int, float, bool, float]:
+        """Where an entry of the map stands among all, smallest first."""
+        row = self.best.get(entry.traced_to)
+        others = len(self.lower)
+        unseen = next((i for i, r in enumerate(self.lower) if entry.traced_to in r.traced_to), others)
         if row is not None and not row.worse:  # what takes off more, and hurts no run, comes before
-            less = (i for i, r in enumerate(lower) if 1.0 - (r.chi_after / r.chi_before) ** 2 < entry.share)
-            unseen = min(unseen, next(less, unseen))
-        noise_alone = before * np.sqrt(max(0.0, 1.0 - entry.share)) <= SETTINGS.noise_chi < before
-        all_of_it = -entry.share if noise_alone else 0.0
+            off = (1.0 - (r.chi_after / r.chi_before) ** 2 for r in self.lower)
+            unseen = min(unseen, next((i for i, share in enumerate(off) if share < entry.share), unseen))
+        left = self.chi * np.sqrt(max(0.0, 1.0 - entry.share))
+        all_of_it = -entry.share if left <= SETTINGS.noise_chi < self.chi else 0.0
         of_runs = (False, 0.0) if row is None else (row.hurts, -row.gain)
         return unseen, all_of_it, *of_runs
 
-    def of_fit(row: Followed) -> Lead:
-        no = borne_out.get(row.label) or refused.get(row.label)
+    def _of_fit(self, row: Followed) -> Lead:
+        no = self.borne_out.get(row.label) or self.refused.get(row.label)
         source = LeadSource.FIT if no is None else LeadSource.REJECTED
-        searched = "the run" if one_run else "the runs"
+        searched = "the run" if self.one_run else "the runs"
         by = f"by {100.0 * (1.0 - np.sqrt(1.0 - row.share)):.0f} % on {searched} it was searched with"
-        if no is not None and row.label in borne_out:
+        if no is not None and row.label in self.borne_out:
             source = LeadSource.BORNE_OUT
             by = f"on runs it was not fitted to from {no.chi_before:.3g} to {no.chi_after:.3g}"
         return Lead(
@@ -155,69 +218,34 @@ def leads(
             candidate=row.label,
         )
 
-    def of_map(entry: MapEntry) -> Lead:
+    def _of_map(self, entry: MapEntry) -> Lead:
+        why = (
+            f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of "
+            f"{'the one run, which it was fitted to' if self.one_run else 'runs left out'} "
+            f"(p = {entry.p_value:.2g} among all candidates)"
+        )
+        return self._mapped(entry, why)
+
+    def _mapped(self, entry: MapEntry, why: str) -> Lead:
         return Lead(
             traced_to=entry.traced_to,
             source=LeadSource.MAP,
-            why=f"{entry.form} takes {100.0 * entry.share:.2g} % off the squared residual of "
-            f"{'the one run, which it was fitted to' if one_run else 'runs left out'} "
-            f"(p = {entry.p_value:.2g} among all candidates)"
-            + _of_runs(best.get(entry.traced_to), entry.form, one_run),
+            why=why + _of_runs(self.best.get(entry.traced_to), entry.form, self.one_run),
             next_run=TRIALS[entry.traced_to],
             share=entry.share,
             p_value=entry.p_value,
-            candidate=fits.get(entry.traced_to),
+            candidate=self.fits.get(entry.traced_to),
         )
 
-    for row in rows:
-        if row.label in borne_out:
-            add(of_fit(row))
-    most = max((e.share for e in entries if e.supported), default=0.0)
-    if drift is not None and drift.share > most:
-        add(_of_drift(drift))
-    hurting: list[MapEntry] = []
-    for entry in sorted(entries, key=place):
-        no, own = refused.get(entry.form), best.get(entry.traced_to)
-        if not entry.supported or (no is not None and no.chi_after >= no.chi_before):
-            continue
-        if own is not None and own.hurts:
-            hurting.append(entry)
-        else:
-            add(of_map(entry))
-    if drift is not None:
-        add(_of_drift(drift))
-    for turn in turns:
-        add(
-            Lead(
-                traced_to=Trace.WHEEL_ANGLE,
-                source=LeadSource.ORDER,
-                why=turn.sentence,
-                next_run=TRIALS[Trace.WHEEL_ANGLE],
-                p_value=turn.p_value,
-                candidate=fits.get(Trace.WHEEL_ANGLE),
-            )
+    def _of_turn(self, turn: Periodicity) -> Lead:
+        return Lead(
+            traced_to=Trace.WHEEL_ANGLE,
+            source=LeadSource.ORDER,
+            why=turn.sentence,
+            next_run=TRIALS[Trace.WHEEL_ANGLE],
+            p_value=turn.p_value,
+            candidate=self.fits.get(Trace.WHEEL_ANGLE),
         )
-    for row in rows:
-        if not row.fitted or row.hurts or row.share < SETTINGS.least_lead_of_squares:
-            continue
-        add(of_fit(row))
-    for entry in hurting:
-        add(of_map(entry))
-    if not made and entries:
-        entry = max(entries, key=lambda e: e.share)
-        add(
-            Lead(
-                traced_to=entry.traced_to,
-                source=LeadSource.MAP,
-                why=f"weak: nothing stands out; {entry.form} comes nearest (p = {entry.p_value:.2g} among all"
-                " candidates)" + _of_runs(best.get(entry.traced_to), entry.form, one_run),
-                next_run=TRIALS[entry.traced_to],
-                share=entry.share,
-                p_value=entry.p_value,
-                candidate=fits.get(entry.traced_to),
-            )
-        )
-    return tuple(made[: SETTINGS.most_leads])
 
 
 def _of_drift(drift: Drift) -> Lead:
