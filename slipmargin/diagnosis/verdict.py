@@ -6,7 +6,9 @@ the correction; what comes out is yes or no, with every reason for a no and the 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations, product
 from typing import final
 
@@ -148,88 +150,165 @@ def judge(
         The noise's standard deviation [m, m, rad].  Where noise that lasts takes up what is missing, the
         share that is explained is that of the errors themselves, which are larger than this.
     """
-    s = settings
-    everyone = np.arange(len(before.squares))
-    fresh = judged(unseen)
-    names = everyone if numbers is None else numbers
-    where = "on runs that nothing has seen" if np.any(unseen) else "on runs each predicted without it"
-    failures = []
-    if len(everyone) < 2:
-        failures.append("one run alone bears out nothing that was fitted to it; drive another")
-    explained = explained_share(before.chi(fresh), after.chi(fresh))
-    if sigma is not None and before.chi(fresh) < 1.0:
-        was, now = (errors.of(fresh).size(sigma) for errors in (before, after))
-        explained = explained_share(was, now) if was > s.noise_size else explained
-    least = min(s.least_chi, before.chi(fresh))
-    few = 0 < int(np.count_nonzero(unseen)) < min(s.few_unseen, len(everyone)) and before.chi() > s.far_chi
-    enough = explained >= s.explained_share or (
-        few
-        and explained_share(before.chi(), after.chi()) >= s.explained_share
-        and share_as_low(before, after, fresh, (0, 1, 2)) > s.level
-    )
-    if not enough or before.chi(fresh) - after.chi(fresh) < least:
-        failures.append(
-            f"{where} chi goes from {before.chi(fresh):.3g} to {after.chi(fresh):.3g}, "
-            f"which is {100.0 * explained:.0f} % of the mean square beyond the noise; "
-            f"{100.0 * s.explained_share:.0f} % are asked for"
-        )
-    for word, channels in (("position", _POSITION), ("heading", _HEADING)):
-        for rows, whose in ((fresh, where), (everyone, "over all runs")):
-            one, two = before.chi(rows, channels), after.chi(rows, channels)
-            chance = few and rows is fresh and share_as_low(before, after, fresh, channels) > s.level
-            if clearly_worse(one, two, s) and not chance:
-                failures.append(f"{whose} the {word} gets worse (chi {one:.3g} to {two:.3g})")
-                break
-    change = np.log(np.maximum(before.squares.sum(axis=1), 1e-12))
-    change -= np.log(np.maximum(after.squares.sum(axis=1), 1e-12))
-    tell = np.abs(change) > s.noise_deviations * np.sqrt(2.0 / np.maximum(1.0, after.counts.sum(axis=1)))
-    ones, twos = before.of_runs(), after.of_runs()
-    if before.chi() > s.noise_chi:  # a run that was at the noise and stays there says nothing either way
-        worst = np.maximum(ones, twos)
-        partly = after.chi() > s.noise_chi  # what the correction's form leaves counts as noise then
-        tell &= worst > s.noise_chi if partly else beyond_noise(worst, before.counts.sum(axis=1))
-    better = int(np.count_nonzero(change[tell] > 0.0))
-    p_value = sign_flip_p_value(change[tell], seed)
-    runs = int(np.count_nonzero(tell))
-    fewest = s.fewest_runs
-    # Explained to the noise, each by parameters from the others, which are not exact.
-    gains = np.maximum(0.0, ones**2 - twos**2)
-    if np.all((twos**2 - s.noise_chi**2 <= s.worse_factor * gains)[tell]):
-        fewest = s.fewest_explained
-    every_one = better == runs >= min(fewest, len(everyone))
-    if by_chance and p_value > s.level and not every_one:
-        failures.append(
-            f"{better} of the {runs} runs whose error changes at all get better, which may be chance "
-            f"(paired permutation p = {p_value:.2g})"
-        )
-    # Parameters from other runs are not exact: a run may pay with a small part of what all runs gain.
-    pays = s.worse_factor * max(0.0, before.chi() ** 2 - after.chi() ** 2)
-    worse = int(
-        sum(
-            clearly_worse(ones[i], twos[i], s) and twos[i] ** 2 - ones[i] ** 2 > pays
-            for i in np.flatnonzero(tell)
-        )
-    )
-    if worse > s.worse_share * len(everyone):
-        failures.append(f"{worse} of {len(everyone)} runs get clearly worse")
-    for rows in groups(len(everyone)):
-        one, two = before.chi(rows), after.chi(rows)
-        if clearly_worse(one, two, s):
-            failures.append(
-                f"runs {names[rows[0]] + 1} to {names[rows[-1]] + 1} as a group get worse "
-                f"(chi {one:.3g} to {two:.3g})"
-            )
+    case = _Case(before=before, after=after, unseen=unseen, settings=settings, sigma=sigma)
+    failures = [
+        *case.alone(),
+        *case.too_little(),
+        *case.worse_in_a_channel(),
+        *(case.chance(seed) if by_chance else ()),
+        *case.worse_runs(),
+        *case.worse_groups(case.everyone if numbers is None else numbers),
+    ]
+    change = case.change[case.tell]
     return Judgement(
         failures=tuple(failures),
-        explained=explained,
-        p_value=p_value,
-        runs=runs,
-        better=better,
-        worse=worse,
+        explained=case.explained,
+        p_value=sign_flip_p_value(change, seed),
+        runs=len(change),
+        better=int(np.count_nonzero(change > 0.0)),
+        worse=case.clearly_worse,
         chi_before=before.chi(),
         chi_after=after.chi(),
-        partial=after.chi(fresh) > s.noise_chi,
+        partial=after.chi(case.fresh) > settings.noise_chi,
     )
+
+
+@final
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Case:
+    """A correction before the runs, and each condition that it may miss: as a sentence, or as nothing."""
+
+    before: RunErrors
+    after: RunErrors
+    unseen: NDArray[np.bool_]
+    settings: SearchSettings
+    sigma: Array | None
+
+    @property
+    def everyone(self) -> Index:
+        """All runs."""
+        return np.arange(len(self.before.squares))
+
+    @property
+    def fresh(self) -> Index:
+        """The runs that judge."""
+        return judged(self.unseen)
+
+    @property
+    def where(self) -> str:
+        """Which runs judge, in words."""
+        return "on runs that nothing has seen" if np.any(self.unseen) else "on runs each predicted without it"
+
+    @property
+    def few(self) -> bool:
+        """Whether so few runs are unseen, and the errors so large, that chance decides what those show."""
+        most = min(self.settings.few_unseen, len(self.everyone))
+        return 0 < int(np.count_nonzero(self.unseen)) < most and self.before.chi() > self.settings.far_chi
+
+    @property
+    def explained(self) -> float:
+        """The share that it removes on the runs that judge."""
+        before, after, fresh = self.before, self.after, self.fresh
+        if self.sigma is not None and before.chi(fresh) < 1.0:
+            was, now = (errors.of(fresh).size(self.sigma) for errors in (before, after))
+            if was > self.settings.noise_size:
+                return explained_share(was, now)
+        return explained_share(before.chi(fresh), after.chi(fresh))
+
+    @cached_property
+    def change(self) -> Array:
+        """What the logarithm of each run's sum of squares falls by (R,)."""
+        one, two = (np.maximum(e.squares.sum(axis=1), 1e-12) for e in (self.before, self.after))
+        return np.asarray(np.log(one) - np.log(two))
+
+    @cached_property
+    def tell(self) -> NDArray[np.bool_]:
+        """Which runs' errors (R,) change by more than noise."""
+        s, counts = self.settings, self.after.counts.sum(axis=1)
+        tell = np.abs(self.change) > s.noise_deviations * np.sqrt(2.0 / np.maximum(1.0, counts))
+        if self.before.chi() > s.noise_chi:  # a run that was at the noise and stays there says nothing
+            worst = np.maximum(self.before.of_runs(), self.after.of_runs())
+            partly = self.after.chi() > s.noise_chi  # what the correction's form leaves counts as noise then
+            tell &= worst > s.noise_chi if partly else beyond_noise(worst, self.before.counts.sum(axis=1))
+        return np.asarray(tell)
+
+    @property
+    def clearly_worse(self) -> int:
+        """How many runs get clearly worse.
+
+        Parameters from other runs are not exact: a run may pay with a small part of what all runs gain.
+        """
+        s, ones, twos = self.settings, self.before.of_runs(), self.after.of_runs()
+        pays = s.worse_factor * max(0.0, self.before.chi() ** 2 - self.after.chi() ** 2)
+        return sum(
+            clearly_worse(ones[i], twos[i], s) and bool(twos[i] ** 2 - ones[i] ** 2 > pays)
+            for i in np.flatnonzero(self.tell)
+        )
+
+    def alone(self) -> Iterator[str]:
+        """Whether there is one run only."""
+        if len(self.everyone) < 2:
+            yield "one run alone bears out nothing that was fitted to it; drive another"
+
+    def too_little(self) -> Iterator[str]:
+        """Whether it removes less than is asked for."""
+        s, before, after, fresh = self.settings, self.before, self.after, self.fresh
+        least = min(s.least_chi, before.chi(fresh))
+        enough = self.explained >= s.explained_share or (
+            self.few
+            and explained_share(before.chi(), after.chi()) >= s.explained_share
+            and share_as_low(before, after, fresh, (0, 1, 2)) > s.level
+        )
+        if not enough or before.chi(fresh) - after.chi(fresh) < least:
+            yield (
+                f"{self.where} chi goes from {before.chi(fresh):.3g} to {after.chi(fresh):.3g}, "
+                f"which is {100.0 * self.explained:.0f} % of the mean square beyond the noise; "
+                f"{100.0 * s.explained_share:.0f} % are asked for"
+            )
+
+    def worse_in_a_channel(self) -> Iterator[str]:
+        """Whether the position or the heading gets worse."""
+        before, after = self.before, self.after
+        for word, channels in (("position", _POSITION), ("heading", _HEADING)):
+            for rows, whose in ((self.fresh, self.where), (self.everyone, "over all runs")):
+                one, two = before.chi(rows, channels), after.chi(rows, channels)
+                lucky = self.few and whose == self.where
+                chance = lucky and share_as_low(before, after, rows, channels) > self.settings.level
+                if clearly_worse(one, two, self.settings) and not chance:
+                    yield f"{whose} the {word} gets worse (chi {one:.3g} to {two:.3g})"
+                    break
+
+    def chance(self, seed: int) -> Iterator[str]:
+        """Whether the runs that change may get better by chance."""
+        s, tell, ones, twos = self.settings, self.tell, self.before.of_runs(), self.after.of_runs()
+        runs, better = int(np.count_nonzero(tell)), int(np.count_nonzero(self.change[tell] > 0.0))
+        p_value = sign_flip_p_value(self.change[tell], seed)
+        # Explained to the noise, each by parameters from the others, which are not exact.
+        gains = np.maximum(0.0, ones**2 - twos**2)
+        to_noise = np.all((twos**2 - s.noise_chi**2 <= s.worse_factor * gains)[tell])
+        fewest = s.fewest_explained if to_noise else s.fewest_runs
+        every_one = better == runs >= min(fewest, len(self.everyone))
+        if p_value > s.level and not every_one:
+            yield (
+                f"{better} of the {runs} runs whose error changes at all get better, which may be chance "
+                f"(paired permutation p = {p_value:.2g})"
+            )
+
+    def worse_runs(self) -> Iterator[str]:
+        """Whether too many runs get clearly worse."""
+        worse, many = self.clearly_worse, len(self.everyone)
+        if worse > self.settings.worse_share * many:
+            yield f"{worse} of {many} runs get clearly worse"
+
+    def worse_groups(self, names: Index) -> Iterator[str]:
+        """Whether a quarter of the runs, in the order of the files, gets worse."""
+        for rows in groups(len(self.everyone)):
+            one, two = self.before.chi(rows), self.after.chi(rows)
+            if clearly_worse(one, two, self.settings):
+                yield (
+                    f"runs {names[rows[0]] + 1} to {names[rows[-1]] + 1} as a group get worse "
+                    f"(chi {one:.3g} to {two:.3g})"
+                )
 
 
 def explained_share(before: float, after: float) -> float:
