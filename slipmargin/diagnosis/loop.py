@@ -113,14 +113,8 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
     found = shown_in(problem, s.runs, data_set.members, found)
     verdict = checked.verdict
     explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
-    last = like(state, s.rounds)
-    if not explained and last is None and state is not None and s.rounds and not watch.expired:
-        last = left_over(state, s.rounds, s.runs, s.candidates, seed, watch)
+    last = _beside_all(attempt, explained)
     remaining = () if last is None else last.map()
-    if verdict is Verdict.UNEXPLAINED and not any(entry.supported for entry in remaining):
-        # Too few of the searched runs show it: a lead, which claims nothing, may look at all.
-        last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed, watch)
-        remaining = last.map()
     near, traces = verdict is Verdict.NO_MISSING_EFFECT, [f.traced_to for f in found]
     rejected = () if near else checked.rejected  # near the noise only the map's leads stand out
     drift = None if near or explained else drift_in(problem, fitted, s.runs, seed)
@@ -177,6 +171,22 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
             *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),
         ),
     )
+
+
+def _beside_all(attempt: Attempt, explained: bool) -> Round | None:
+    """The round that began with all that was found: what the residual still follows.
+
+    Where the search has none, it is made, unless all is ``explained`` or the time is over.
+    """
+    s, state, seed, watch = attempt.searched, attempt.checked.state, attempt.seed, attempt.watch
+    last = like(state, s.rounds)
+    if not explained and last is None and state is not None and s.rounds and not watch.expired:
+        last = left_over(state, s.rounds, s.runs, s.candidates, seed, watch)
+    told = last is not None and any(entry.supported for entry in last.map())
+    if attempt.checked.verdict is Verdict.UNEXPLAINED and not told:
+        # Too few of the searched runs show it: a lead, which claims nothing, may look at all.
+        last = left_over(s.state if last is None else last.before, (), s.runs, s.candidates, seed, watch)
+    return last
 
 
 def _reported(
