@@ -50,6 +50,7 @@ NUMERICS = {
         "_MOST_STEPS",
     },
     "diagnosis/tolerance.py": {"_RTOLS", "_ERROR", "_SHARE"},
+    "diagnosis/pull_instrument.py": {"_FARTHEST"},
     "diagnosis/pull_next.py": {"_ORIENTATIONS", "_DIRECTIONS", "_MANY", "_APART_RAD"},
     "diagnosis/pull_search.py": {"_SURROGATES"},
     "diagnosis/pull_unseen.py": {"_FLIPS"},
