@@ -17,6 +17,7 @@ from slipmargin.data.data_set import DataSet
 from slipmargin.diagnosis.candidate import equation_of
 from slipmargin.diagnosis.fit import Fit, build, limits_of, spans
 from slipmargin.diagnosis.pull_candidates import pull_candidates
+from slipmargin.diagnosis.pull_instrument import explaining
 from slipmargin.diagnosis.pull_next import NextPull, next_pulls
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.pull_remarks import remarks
@@ -152,7 +153,8 @@ def diagnose_pulls(
     own = {c.name for c in state.structure}
     verdict = unseen.verdict(bool(state.structure))
     taken = verdict is Verdict.EFFECT_FOUND
-    rivals = _rivals(state, rounds, names) if taken else ()
+    wrong = explaining(problem, state.fit if taken else None) if taken or unseen.misfit_before else []
+    rivals = (*_rivals(state, rounds, names), *(fault.said for fault in wrong)) if taken else ()
     findings = _findings(problem, state, rounds, rivals, len(candidates)) if taken else ()
     progress("choosing the next pulls", 0.5)
     confused = [s for r in rounds if r.taken for s in r.rivals()]
@@ -185,7 +187,7 @@ def diagnose_pulls(
         corrected=data_set.recipe.with_effects(*state.fit.effects) if taken else data_set.recipe,
         remarks=(
             *(cut_short(budget_s) if was_cut else ()),
-            *remarks(problem, state, unseen, noise_from, taken=taken),
+            *remarks(problem, state, unseen, noise_from, wrong, taken=taken),
             *of_unused(data_set),
         ),
     )

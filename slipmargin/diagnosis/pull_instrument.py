@@ -2,7 +2,7 @@
 
 Each is one number, fitted to the model as believed.  None is an effect of the robot, and several cannot be
 told from one: coefficients that are all larger by a factor pull as a scale does that reads too much.  So none
-is claimed; it is said where one explains the pulls as well as what was found.
+is claimed; one that explains the pulls as well as what was found cannot be told from it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ import numpy as np
 from slipmargin.checks import Array
 from slipmargin.diagnosis.fit import Fit, misfit_of
 from slipmargin.diagnosis.pull_problem import PullProblem
+from slipmargin.diagnosis.settings import SETTINGS
 
 #: Farthest that each number is looked for: a share of the force, of its mean, an angle [rad], a share again.
 _FARTHEST = (0.5, 0.5, 0.3, 0.5)
@@ -40,6 +41,13 @@ class Fault:
         """
         worth = misfit_of(found.residual) * np.log(pulls)
         return bool(self.cost + worth <= found.cost + len(found.x) * worth)
+
+
+def explaining(problem: PullProblem, found: Fit | None) -> list[Fault]:
+    """What explains the pulls as well as what was ``found``, or, without that, down to the noise."""
+    pulls = problem.count(problem.everyone)
+    least = pulls * SETTINGS.noise_chi**2
+    return [f for f in faults(problem) if (f.cost <= least if found is None else f.as_good_as(found, pulls))]
 
 
 def faults(problem: PullProblem) -> list[Fault]:
@@ -91,7 +99,7 @@ def _drift(problem: PullProblem, x: float) -> PullProblem:
 
 
 def _gain_said(problem: PullProblem, x: float) -> str:
-    return f"a scale that reads {1.0 + x:.3g} times what pulls, or a mass that is as much off,"
+    return f"a scale that reads {1.0 + x:.3g} times what pulls (or a mass that is as much off)"
 
 
 def _tare_said(problem: PullProblem, x: float) -> str:
@@ -105,7 +113,7 @@ def _zero_said(problem: PullProblem, x: float) -> str:
 
 def _drift_said(problem: PullProblem, x: float) -> str:
     way = "grows" if x > 0.0 else "falls"
-    return f"a force that {way} by {100.0 * abs(x):.2g} % from the first row to the last, as a floor wears,"
+    return f"a force that {way} by {100.0 * abs(x):.2g} % from the first row to the last (as a floor wears)"
 
 
 _KINDS: Sequence[tuple[_Wrong, Callable[[PullProblem, float], str]]] = (

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
-from slipmargin.diagnosis.pull_instrument import faults
+from slipmargin.diagnosis.pull_instrument import Fault
 from slipmargin.diagnosis.pull_problem import PullProblem
 from slipmargin.diagnosis.pull_search import PullState
 from slipmargin.diagnosis.pull_unseen import Unseen
-from slipmargin.diagnosis.settings import PULLS, SETTINGS
+from slipmargin.diagnosis.settings import PULLS
 
 
 def remarks(
-    problem: PullProblem, state: PullState, unseen: Unseen, noise_from: str, *, taken: bool
+    problem: PullProblem,
+    state: PullState,
+    unseen: Unseen,
+    noise_from: str,
+    wrong: Sequence[Fault],
+    *,
+    taken: bool,
 ) -> tuple[str, ...]:
     """Sentences on the noise, on what is left, and on what the pulls do not say."""
     said = []
@@ -30,7 +38,7 @@ def remarks(
             f"{unseen.after.chi:.3g}, p = {unseen.p_value:.2g})"
         )
         said.append(f"Fitted to all pulls, {names} would be taken, but {why}.")
-    said += _of_the_test(problem, state, unseen, taken=taken)
+    said += _of_the_test(problem, state, wrong, taken=taken)
     if noise_from == "residual":
         said.append(
             "The noise is what the model found leaves of all pulls: its chi is near 1, whatever it misses. "
@@ -53,20 +61,9 @@ def remarks(
     return tuple(said)
 
 
-def _of_the_test(problem: PullProblem, state: PullState, unseen: Unseen, *, taken: bool) -> list[str]:
-    """What may be wrong with the test itself, where one such thing explains as much as what was found.
-
-    Where nothing was found, it must leave no more than noise does on average.
-    """
-    if not taken and not unseen.misfit_before:
-        return []
+def _of_the_test(problem: PullProblem, state: PullState, wrong: Sequence[Fault], *, taken: bool) -> list[str]:
+    """What may be wrong with the test itself."""
     pulls = problem.count(problem.everyone)
-    names = " + ".join(c.label for c in state.structure)
-    said = []
-    for fault in faults(problem):
-        chi = np.sqrt(fault.cost / pulls)
-        if taken and fault.as_good_as(state.fit, pulls):
-            said.append(f"{fault.said} explains these pulls as well as {names} (chi {chi:.3g})")
-        elif not taken and chi <= SETTINGS.noise_chi:
-            said.append(f"{fault.said} explains these pulls (chi {chi:.3g})")
+    than = f" as well as {' + '.join(c.label for c in state.structure)}" if taken else ""
+    said = [f"{f.said} explains these pulls{than} (chi {np.sqrt(f.cost / pulls):.3g})" for f in wrong]
     return [f"{one[0].upper()}{one[1:]}: rule that out first." for one in said]

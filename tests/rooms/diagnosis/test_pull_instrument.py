@@ -41,14 +41,20 @@ def test_each_is_found_with_its_size(kind: str) -> None:
 
 
 def told(monkeypatch: pytest.MonkeyPatch, pulls: Pulls, *names: str) -> tuple[Verdict, list[str]]:
-    """The verdict of a search over few names, and what is to be ruled out first."""
+    """The verdict of a search over few names, and what is to be ruled out first.
+
+    Of a finding that is what cannot be told from it, too.
+    """
 
     def some(problem: PullProblem) -> list[Candidate]:
         return [c for c in pull_candidates(problem) if c.name in names]
 
     monkeypatch.setattr(room, "pull_candidates", some)
     found = room.diagnose_pulls(data_set(robot(), replace(pulls, sigma_N=SIGMA_N)))
-    return found.verdict, [said for said in found.remarks if said.endswith("rule that out first.")]
+    beside = [label for f in found.findings for label in f.confused_with]
+    first = [said for said in found.remarks if said.endswith("rule that out first.")]
+    assert not found.findings or [said[1:].split(" explains")[0] for said in first] == [b[1:] for b in beside]
+    return found.verdict, first
 
 
 def test_a_turned_zero_is_said_beside_the_tilt_that_stands_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -63,7 +69,7 @@ def test_a_turned_zero_is_said_beside_the_tilt_that_stands_for_it(monkeypatch: p
 def test_wear_is_said_where_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     verdict, first = told(monkeypatch, WRONG["drift"][0](pulled(robot())), "wheel_loads")
     assert verdict is Verdict.UNEXPLAINED
-    assert len(first) == 1 and "from the first row to the last, as a floor wears, explains these" in first[0]
+    assert len(first) == 1 and "from the first row to the last (as a floor wears) explains these" in first[0]
 
 
 def test_nothing_is_said_of_the_test_where_the_robot_explains_more(monkeypatch: pytest.MonkeyPatch) -> None:
