@@ -22,6 +22,7 @@ from slipmargin.diagnosis.fit import (
 from slipmargin.diagnosis.map_entry import MapEntry
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Estimate, Finding
+from slipmargin.diagnosis.rivals import origin
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.signals import InterpolationScheme
 from slipmargin.diagnosis.state import State
@@ -38,6 +39,7 @@ def findings(
     problem: Problem,
     state: State,
     useful: list[float],
+    rivals: Sequence[tuple[str, ...]],
     rounds: list[Round],
     final: Fit,
     tried: int,
@@ -53,6 +55,8 @@ def findings(
         The structure chosen on the trials that were not held out.
     useful : list of float
         What chi would be without each of its effects.
+    rivals : sequence of tuples of str
+        Labels of what explains the runs as well as each of its effects.
     rounds : list of Round
         How it was found.
     final : Fit
@@ -71,7 +75,7 @@ def findings(
     own = zip(final.structure, final.effects, spans(final.structure), all_doubts, strict=True)
     for index, (candidate, effect, span, doubts) in enumerate(own):
         kind = bare(effect)
-        origin, own_state = _origin(candidate, final.structure, rounds)
+        step, own_state = origin(candidate, final.structure, rounds)
         found.append(
             Finding(
                 effect=effect,
@@ -100,9 +104,9 @@ def findings(
                 derived=_derived(problem, final, spread, index),
                 chi_without=useful[index],
                 chi_with=state.chi,
-                p_value=origin.p_value_of(own_state),
+                p_value=step.p_value_of(own_state),
                 candidates_tried=tried,
-                confused_with=_rivals(origin, own_state, candidate),
+                confused_with=rivals[index],
                 confirm=kind.confirm if isinstance(kind, Effect) else _GENERAL_CONFIRM,
                 equation=equation_of(candidate, kind),
                 doubts=doubts,
@@ -110,35 +114,6 @@ def findings(
             )
         )
     return tuple(found)
-
-
-def _origin(
-    candidate: Candidate, structure: Sequence[Candidate], rounds: Sequence[Round]
-) -> tuple[Round, State | None]:
-    """The round that tried a candidate beside most of what else is found, and its state there.
-
-    If none did, it is the one taken with it in it, or one tried.
-    """
-    others = {c.thing for c in structure} - {candidate.thing}
-    alone = [
-        (step, state)
-        for step in rounds
-        for state in step.tried
-        if step.single(state) and state.last.is_same_as(candidate) and step.before.things <= others
-    ]
-
-    def fits(row: tuple[Round, State]) -> tuple[int, bool, bool]:
-        step, state = row
-        own = state.last.label == candidate.label
-        return len(step.before.structure), step.taken and state is step.best, own
-
-    if alone:
-        return max(alone, key=fits)
-    taken = [(r, r.best) for r in rounds if r.taken and r.best is not None]
-    for step, state in (*taken, *((r, s) for r in rounds for s in r.tried)):
-        if any(c.is_same_as(candidate) for c in state.structure):
-            return step, state
-    return rounds[0], None
 
 
 def doubted(problem: Problem, final: Fit) -> bool:
@@ -220,20 +195,6 @@ def _against_name(candidate: Candidate, x: Array, low: Array, high: Array) -> li
 
 def _mapped(trace: Trace, entries: Sequence[MapEntry]) -> bool | None:
     return next((e.supported for e in entries if e.traced_to is trace), None)
-
-
-def _rivals(origin: Round, own: State | None, candidate: Candidate) -> tuple[str, ...]:
-    """Names in states that are as good as the one with this effect and do not hold it."""
-    if own is None:
-        return ()
-    beside = {c.name for c in own.structure}
-    names = [
-        c.label
-        for s in origin.rivals(own)
-        for c in s.structure
-        if candidate.name not in {k.name for k in s.structure} and c.name not in beside
-    ]
-    return tuple(dict.fromkeys(names))
 
 
 def _derived(problem: Problem, final: Fit, spread: Intervals, index: int) -> tuple[Estimate, ...]:

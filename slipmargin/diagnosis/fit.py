@@ -12,6 +12,7 @@ from itertools import pairwise
 from typing import Protocol, final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from slipmargin.checks import Array, Index
 from slipmargin.diagnosis.candidate import Candidate
@@ -95,13 +96,28 @@ class Fit:
 
         Each is ``label.key``: two candidates may have one name, such as an effect of each of two wheels.
         """
-        low, high, scale = limits_of(self.structure)
         keys = [f"{c.label}.{key}" for c in self.structure for key in c.keys]
+        return [key for key, at in zip(keys, self._at_bound(), strict=True) if at]
+
+    @property
+    def stuck(self) -> bool:
+        """Whether one is of an effect that acts: where another has made it idle, it may end anywhere."""
+        at_bound, own = self._at_bound(), zip(self.structure, spans(self.structure), strict=True)
+        return any(at_bound[span].any() and not self._idles(c, span) for c, span in own)
+
+    def _at_bound(self) -> NDArray[np.bool_]:
+        low, high, scale = limits_of(self.structure)
         usual = np.concatenate([np.zeros(0), *(c.usual for c in self.structure if c.usual is not None)])
         least = np.concatenate([np.zeros(0), *(c.least for c in self.structure if c.least is not None)])
         off = np.abs(self.x - usual)
         stuck = (self.x <= low + 1e-6 * scale) | (self.x >= high - 1e-6 * scale) | (off < least)
-        return [key for key, at in zip(keys, stuck & (off > 0.0), strict=True) if at]
+        return np.asarray(stuck & (off > 0.0))
+
+    def _idles(self, own: Candidate, span: slice) -> bool:
+        """Whether an effect changes the residual, to first order, by no more than noise gives it to do."""
+        away = np.where(own.idle, 0.0, self.x[span] - own.null)
+        change = self.jacobian[..., span] @ away
+        return own.nested and bool(np.sum(change**2) <= own.size * misfit_of(self.residual))
 
 
 def build(structure: Sequence[Candidate], x: Array) -> tuple[AnyEffect, ...]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from slipmargin.data.data_set import DataSet
@@ -30,6 +32,7 @@ from slipmargin.diagnosis.remarks import (
 )
 from slipmargin.diagnosis.residual_diagnostics import dependences
 from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
+from slipmargin.diagnosis.rivals import cannot_be_told
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.run_order import drift_in
 from slipmargin.diagnosis.searched import Searched, events_of
@@ -109,7 +112,7 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
     turns = order_analysis(problem, rates_after, seed)
     entries = s.rounds[0].map() if s.rounds else ()
     watch("fitting what is reported", 0.3)
-    found, final = _reported(s, checked, entries)
+    found, final = _reported(s, checked, entries, lambda: watch.expired)
     found = shown_in(problem, s.runs, data_set.members, found)
     verdict = checked.verdict
     explained = after.chi <= SETTINGS.noise_chi and verdict is not Verdict.UNEXPLAINED
@@ -190,7 +193,7 @@ def _beside_all(attempt: Attempt, explained: bool) -> Round | None:
 
 
 def _reported(
-    s: Searched, checked: Checked, entries: tuple[MapEntry, ...]
+    s: Searched, checked: Checked, entries: tuple[MapEntry, ...], expired: Callable[[], bool]
 ) -> tuple[tuple[Finding, ...], Fit | None]:
     """The findings with the parameters to report, fitted to every trial that may be used."""
     state = checked.state
@@ -209,7 +212,8 @@ def _reported(
     )
     seen_runs = [s.runs[i] for i in s.seen]
     useful = [without(state, index, seen_runs).chi for index in range(len(state.structure))]
-    return findings(view, state, useful, s.rounds, final, len(s.candidates), entries), final
+    rivals = cannot_be_told(state, s.rounds, seen_runs, expired)
+    return findings(view, state, useful, rivals, s.rounds, final, len(s.candidates), entries), final
 
 
 def _step(done: Round) -> Step:

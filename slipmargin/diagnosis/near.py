@@ -2,7 +2,7 @@
 
 A fit asks how the residual changes with each parameter, and a screening asks it of hundreds of them.  Where
 a step changes forces only, the answer follows from the run as it is (:mod:`slipmargin.sim.sensitivity`);
-what moves the wheels' edges in time, and ridges of the floor, are simulated.
+what moves the wheels' edges in time, or ridges of the floor, is simulated.
 """
 
 from __future__ import annotations

@@ -201,9 +201,9 @@ def _in_all(
     something else, and all such names are asked; else those that have no more parameters.
     """
     found = [fitted(state.view, state.structure, state.fit.x, seen, runs, expired)]
-    stuck, size = found[0].fit.at_bound(), len(state.fit.x)
+    stuck, size = found[0].fit.stuck, len(state.fit.x)
     rivals = [s for r in rounds if r.best is not None and _alike(r.best, state) for s in r.rivals()]
-    sound = [s for s in rivals if s.named and not s.fit.at_bound() and (stuck or len(s.fit.x) <= size)]
+    sound = [s for s in rivals if s.named and not s.fit.stuck and (stuck or len(s.fit.x) <= size)]
     others: dict[frozenset[str], State] = {}
     for rival in sound:
         if rival.things != state.things:

@@ -106,7 +106,7 @@ def _kind(state: State) -> tuple[bool, bool, int, bool]:
 
     A name with a parameter at a bound stands for something else, and is not reported as that name.
     """
-    stuck = bool(state.fit.at_bound())
+    stuck = state.fit.stuck
     return stuck or not state.named, stuck, len(state.structure), _left(state) > SETTINGS.noise_chi
 
 
@@ -126,7 +126,7 @@ def _simpler(chosen: State, good: Sequence[State]) -> State:
     simple = [
         s
         for s in good
-        if not s.fit.at_bound()
+        if not s.fit.stuck
         and (
             (as_good(s, chosen) and [c.name for c in s.structure] == names)
             or (_kind(s) == _kind(chosen) and (_fits_as_well(s, chosen) or _means_the_same(s, chosen)))

@@ -13,9 +13,10 @@ from slipmargin.checks import Array
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.fit import Fit, evaluate, limits_of
 from slipmargin.diagnosis.problem import Problem
+from slipmargin.diagnosis.rivals import can_be
 from slipmargin.diagnosis.tangents import free_slopes
 from slipmargin.experiment.gain import Contrast, information, known
-from slipmargin.experiment.remaining import Remaining, can_be
+from slipmargin.experiment.remaining import Remaining
 from slipmargin.experiment.result import Narrowing
 from slipmargin.experiment.timing import Drive
 

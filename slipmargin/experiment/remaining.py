@@ -16,10 +16,11 @@ from slipmargin.diagnosis.attempt import Attempt
 from slipmargin.diagnosis.candidate import Candidate
 from slipmargin.diagnosis.conditions import ready
 from slipmargin.diagnosis.court import Checked
-from slipmargin.diagnosis.fit import Fit, build, fit, spans
+from slipmargin.diagnosis.fit import Fit, fit
 from slipmargin.diagnosis.left_over import like
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.result import Verdict
+from slipmargin.diagnosis.rivals import can_be, instead_of
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.searched import Searched
 from slipmargin.diagnosis.settings import SETTINGS
@@ -121,7 +122,7 @@ def _left(found: Searched, checked: Checked) -> tuple[Question, Problem, list[Fi
         return (Question.WHICH if len(fits) > 1 else Question.ANYTHING), view, fits
     view = checked.problem.as_seen_in(state.view)
     best = _fitted(view, state.structure, state.fit.x, everyone)
-    rivals = [_fitted(view, c, x, everyone) for c, x in _rivals(view, state, found.rounds)]
+    rivals = [_fitted(view, c, x, everyone) for c, x in _rivals(state, found.rounds)]
     rivals = [r for r in rivals if _as_good(r, best)]
     if not rivals and checked.after.chi() > SETTINGS.noise_chi:  # something else is missing as well
         last = like(state, found.rounds)
@@ -146,47 +147,15 @@ def _names(structure: Sequence[Candidate]) -> frozenset[str]:
     return frozenset(c.name for c in structure)
 
 
-def _rivals(
-    view: Problem, state: State, rounds: Sequence[Round]
-) -> list[tuple[tuple[Candidate, ...], Array]]:
-    """Structures with other names that were as good as the one that holds, and where to start their fits.
-
-    What was level with an effect in the round that took it stands in its place; the other effects stay.
-    """
+def _rivals(state: State, rounds: Sequence[Round]) -> list[tuple[tuple[Candidate, ...], Array]]:
+    """Structures with other names that were as good as the one that holds, and where to start their fits."""
     found: dict[frozenset[str], tuple[tuple[Candidate, ...], Array]] = {}
-    kept = dict(zip((c.label for c in state.structure), _split(state), strict=True))
-    for step in rounds:
-        if step.best is None:
-            continue
-        before = {c.label for c in step.before.structure}
-        taken = {c.label for c in step.best.structure} - before
-        if not taken & set(kept):
-            continue
-        for rival in (step.best, *step.rivals()):
-            own = [
-                (c, x)
-                for c, x in zip(rival.structure, _split(rival), strict=True)
-                if c.label not in before and c.label not in kept
-            ]
-            parts = [*((c, kept[c.label]) for c in state.structure if c.label not in taken), *own]
-            structure = tuple(c for c, _ in parts)
-            names = _names(structure)
-            x = np.concatenate([np.zeros(0), *(part for _, part in parts)])
-            if not own or names >= _names(state.structure) or names in found:
-                continue
-            if can_be(view, structure, x):
-                found[names] = structure, x
+    for index in range(len(state.structure)):
+        for rival in instead_of(state, index, rounds):
+            names = _names(rival.structure)
+            if not names >= _names(state.structure) and can_be(state.view, rival.structure, rival.x):
+                found.setdefault(names, (rival.structure, rival.x))
     return list(found.values())
-
-
-def _split(state: State) -> list[Array]:
-    """The parameters of each candidate."""
-    return [state.fit.x[span] for span in spans(state.structure)]
-
-
-def can_be(problem: Problem, structure: Sequence[Candidate], x: Array) -> bool:
-    """Whether these effects can stand beside each other in the robot: two laws for one thing refuse."""
-    return problem.possible(build(structure, x)) is not None
 
 
 def _leads(rounds: Sequence[Round]) -> list[State]:

@@ -69,19 +69,25 @@ _SECTOR = [at.RIGID_SHARE, at.ROLLER_W, at.ROLLER_T, at.RIGID_W, at.RIGID_T]
 
 def beside(row: Array, other: Array) -> bool:
     """Whether two packed models differ only in forces: wheels move alike and everything jumps when it did."""
-    if row[at.DRIVEN] > 0.0 or row[at.RELIEFS] > 0.0 or not np.array_equal(row[_HEAD], other[_HEAD]):
-        return False  # a ridge may be narrower than the steps of a run that does not feel it
+    if row[at.DRIVEN] > 0.0 or not np.array_equal(row[_HEAD], other[_HEAD]):
+        return False
     one, two = wheels_of(row), wheels_of(other)
     if not np.array_equal(one[:, _WHEEL], two[:, _WHEEL]):
         return False
     if not np.array_equal(switching(*one[:, _SECTOR].T), switching(*two[:, _SECTOR].T)):
         return False
-    return np.array_equal(edges_of(row), edges_of(other)) and np.array_equal(_commands(row), _commands(other))
+    return all(np.array_equal(of(row), of(other)) for of in (edges_of, _commands, _reliefs))
 
 
 def _commands(row: Array) -> Array:
     """The modulations of the command, which stand before the edges."""
     return row[int(row[at.COMMANDS_AT]) : int(row[at.EDGES_AT])] if row[at.COMMANDS] else row[:0]
+
+
+def _reliefs(row: Array) -> Array:
+    """The ridges of the floor: the run beside which one moves may step over what it would feel."""
+    first = int(row[at.RELIEFS_AT])
+    return row[first : first + int(row[at.RELIEFS]) * at.RELIEF]
 
 
 def growing(others: int) -> tuple[Array, ...]:

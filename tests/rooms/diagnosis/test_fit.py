@@ -14,10 +14,11 @@ from slipmargin.checks import Array, Index
 from slipmargin.diagnosis import search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
 from slipmargin.diagnosis.evidence import Intervals, intervals
-from slipmargin.diagnosis.findings import _against_name, _origin, _quantities, _rivals
+from slipmargin.diagnosis.findings import _against_name, _quantities
 from slipmargin.diagnosis.fit import Fit, evaluate, few_steps, fit, shifted_by
 from slipmargin.diagnosis.left_out import folds, leave_one_out, refitted_without
 from slipmargin.diagnosis.near import Way
+from slipmargin.diagnosis.rivals import instead_of, origin
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.screen import Screened, Screening
 from slipmargin.diagnosis.settings import SETTINGS
@@ -31,6 +32,8 @@ from slipmargin.effects.camera_scale import CameraScale
 from slipmargin.effects.catalogue import CATALOGUE
 from slipmargin.effects.dragging_point import DraggingPoint
 from slipmargin.effects.floor_grain import FloorGrain
+from slipmargin.effects.floor_ramp import FloorRamp
+from slipmargin.effects.floor_tilt import FloorTilt
 
 TRIALS, SAMPLES = 6, 30
 
@@ -80,6 +83,26 @@ def test_a_linear_fit_is_least_squares(a: float, b: float) -> None:
     design = np.stack([problem.u.ravel(), problem.v.ravel()], axis=1)
     wanted = np.linalg.lstsq(design, problem.y.ravel(), rcond=None)[0]
     np.testing.assert_allclose(found.x - 1.0, wanted, atol=1e-6)
+
+
+def test_an_effect_that_another_has_made_idle_may_end_anywhere() -> None:
+    """A ramp beside a tilt of all the floor was flat, and as short as one may be: a tether was named."""
+    ramp, tilt = candidate(FloorRamp), candidate(FloorTilt)
+    x = np.concatenate([ramp.starts[0], tilt.starts[0]])
+    x[ramp.keys.index("length_m")] = ramp.low[ramp.keys.index("length_m")]
+    columns = np.zeros((TRIALS, SAMPLES, len(x)))
+    columns[:, :, ramp.size :] = 1e4
+    found = Fit(
+        structure=(ramp, tilt),
+        x=x,
+        trials=EVERY,
+        residual=np.ones((TRIALS, SAMPLES)),
+        jacobian=columns,
+        evaluations=0,
+    )
+    assert found.at_bound() == ["floor_ramp.length_m"] and not found.stuck
+    columns[:, :, ramp.keys.index("slope_rad")] = 1e4
+    assert replace(found, jacobian=columns).stuck
 
 
 def test_bounds_hold_and_are_said() -> None:
@@ -636,10 +659,10 @@ def test_the_evidence_of_an_effect_is_that_of_its_own_state() -> None:
     taken, other = state((first,), 1.1), state((second,), 3.0)
     screening = Screening(entries=(), total=1.0, chance=np.linspace(0.0, 0.99, 99))
     step = Round(before=state((), 4.0), screening=screening, tried=(taken, other), best=taken, taken=True)
-    assert _origin(first, (first,), [step]) == (step, taken)
-    assert _origin(second, (second,), [step]) == (step, other)
+    assert origin(first, (first,), [step]) == (step, taken)
+    assert origin(second, (second,), [step]) == (step, other)
     assert step.p_value_of(other) > 5.0 * step.p_value_of(taken)
-    assert _rivals(step, other, second) == ("camera_scale",)
+    assert [r.new for r in instead_of(other, 0, [step])] == [(first,)]
 
 
 def test_of_names_that_the_runs_left_out_do_not_tell_apart_the_one_that_leaves_noise_is_meant() -> None:

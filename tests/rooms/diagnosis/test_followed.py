@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from planting import Plant, planted, smooth_kiwi
 
-from slipmargin.diagnosis import search
+from slipmargin.diagnosis import rivals, search
 from slipmargin.diagnosis.candidate import Candidate, named_candidates
-from slipmargin.diagnosis.findings import _origin
 from slipmargin.diagnosis.general_forms import general_candidates
 from slipmargin.diagnosis.prepare import clean
 from slipmargin.diagnosis.problem import Problem
 from slipmargin.diagnosis.ranges import ranges
 from slipmargin.diagnosis.refits import fitted
 from slipmargin.diagnosis.restated import reformed
+from slipmargin.diagnosis.rivals import cannot_be_told, origin
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.search import screened
 from slipmargin.diagnosis.settings import SETTINGS
@@ -173,8 +173,8 @@ def test_the_second_of_two_is_compared_with_other_names_beside_the_first(
     assert kept.best is both and [r.before for r in rounds] == [alone]
     assert rounds[0].names_only and not rounds[0].taken
     law, loads = both.structure
-    assert _origin(loads, both.structure, [step, *rounds]) == (rounds[0], both)
-    assert _origin(law, both.structure, [step, *rounds]) == (step, alone)
+    assert origin(loads, both.structure, [step, *rounds]) == (rounds[0], both)
+    assert origin(law, both.structure, [step, *rounds]) == (step, alone)
 
 
 @pytest.mark.parametrize("order", [1, -1])
@@ -204,3 +204,34 @@ def test_two_at_once_are_tried_only_where_there_is_room_for_both(
         monkeypatch.setattr(search, "SETTINGS", replace(SETTINGS, most_effects=most))
         step = search.take_step(bench.plain, list(TRIALS), names, 0, WATCH, 1)
         assert {len(s.structure) for s in step.tried} == sizes
+
+
+def test_names_that_were_level_before_a_second_effect_was_known_are_compared_beside_it(
+    bench: Bench,
+) -> None:
+    """A rigid sector, proved beside a tilt to 0.1 %, was called one of eight names; seven left twenty times
+    as much there."""
+    law = "slip_ratio_friction"
+    both = bench.state(law, "wheel_loads")
+    step = bench.round(bench.plain, leaving(bench, law, 0.5), leaving(bench, "floor_tilt", 0.5))
+    assert cannot_be_told(both, [step], list(TRIALS), lambda: False) == [(), ()]
+    late = cannot_be_told(both, [step], list(TRIALS), lambda: True)
+    assert late == [("floor_tilt",), ()]  # no time is left to compare them
+
+
+@pytest.mark.parametrize(("more", "is_one"), [(1.001, True), (1.3, False)])
+def test_what_explains_as_much_beside_the_others_stays_a_rival(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, more: float, is_one: bool
+) -> None:
+    law, other = "slip_ratio_friction", "elliptic_grip"
+    both = bench.state(law, "wheel_loads")
+    step = bench.round(bench.plain, leaving(bench, law, 0.5), leaving(bench, other, 0.5))
+    asked = []
+
+    def refitted(state: State, structure: tuple[Candidate, ...], *_: Any) -> State:
+        asked.append([c.label for c in structure])
+        return replace(state, scores=more**2 * state.scores)
+
+    monkeypatch.setattr(rivals, "refitted", refitted)
+    told = cannot_be_told(both, [step], list(TRIALS), lambda: False)
+    assert asked == [["wheel_loads", other]] and told == [(other,) * is_one, ()]

@@ -32,7 +32,9 @@ def test_a_name_stuck_at_a_bound_in_all_runs_gives_way_to_one_that_is_as_good(
     listed = {c.label: c for c in named_candidates(("1", "2", "3"), False, ()) if c.label in labels}
 
     def at(structure: tuple[Candidate, ...], x: Any) -> State:
-        return replace(plain, fit=replace(plain.fit, structure=structure, x=np.asarray(x, dtype=float)))
+        felt = np.ones((*plain.fit.residual.shape, len(x)))
+        made = replace(plain.fit, structure=structure, x=np.asarray(x, dtype=float), jacobian=felt)
+        return replace(plain, fit=made)
 
     law, factor = listed["stribeck"], listed["friction_coefficients"]
     speed = law.keys.index("stribeck_speed_m_s")

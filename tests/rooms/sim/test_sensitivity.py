@@ -10,6 +10,7 @@ from hypothesis import assume, given, settings, strategies as st
 from manoeuvres import force, modulation, with_terms
 from strategies import kiwi, models
 
+from slipmargin.checks import Array
 from slipmargin.model import Model, nominal_model
 from slipmargin.physics.relief import Profile, Relief
 from slipmargin.physics.terms import Multiplier
@@ -79,6 +80,29 @@ def test_the_first_order_is_the_difference_of_two_runs(model: Model, seed: int) 
     # In steps of a relative error of 1e-6 half of 1350 drawn missed less than 0.05 %, one in fifty more
     # than 2 %, and one of another draw 12 %; in these, of 3573, none missed more than 1.4 %.
     assert max(misses) < 0.05 and np.median(misses) < 0.01
+
+
+@pytest.mark.parametrize("profile", Profile)
+def test_other_friction_is_followed_beside_a_run_over_a_floor_that_is_not_flat(profile: Profile) -> None:
+    """Whatever stood beside a ridge was simulated: a search on a floor that falls took longer for it."""
+    place = (0.01, 0.7) if profile is not Profile.BUMP else (0.01, 0.02)
+    floor = Relief(profile=profile, size=0.01, extent_m=0.1, edge_m=0.01, place=place)
+    plain = nominal_model(kiwi(com_m=(0.01, -0.02)), "paper")
+
+    def on(relief: Relief, model: Model = plain) -> Array:
+        return pack(replace(model, external=replace(model.external, reliefs=(relief,))))
+
+    batch, base = drive(plain, 5), on(floor)
+    for other in (replace(floor, extent_m=0.11), replace(floor, size=0.011)):
+        assert not batch.beside(base, on(other)), "a ridge that moves"
+    others = [on(floor, m) for m in moved(plain, PART, 5)]
+    assert all(batch.beside(base, other) for other in others)
+    told = batch.run(stack([base]), np.zeros(3), rtol=1e-6, others=stack(others))
+    fine = [batch.run(row, np.zeros(3), rtol=1e-11, max_steps=50_000).pose[0] for row in (base, *others)]
+    assert told.change is not None
+    for change, other in zip(told.change[0], fine[1:], strict=True):
+        want = other - fine[0]
+        np.testing.assert_allclose(change, want, atol=0.03 * np.abs(want).max())
 
 
 def test_other_models_beside_a_run_leave_it_as_it_is() -> None:
