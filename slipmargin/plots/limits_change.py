@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from slipmargin.checks import Array
 from slipmargin.diagnosis.limits_change import LimitsChange
 from slipmargin.plots.polar import forwards_up, of_pull, polar_axes
-from slipmargin.plots.style import BLUE, RED, SKY, styled
+from slipmargin.plots.style import BLUE, RED, SKY, outside, styled
 
 BEFORE, AFTER = RED, BLUE
 
@@ -55,7 +55,7 @@ def limits_figure(change: LimitsChange) -> Figure:
         floor = " and on the floor's direction" if change.floor_directions > 1 else ""
         label = f"depends on what the wheels stand on{floor}"
         marks.append(Line2D([], [], color=SKY, lw=7, alpha=0.35, label=label))
-    figure.legend(handles=marks, loc="outside lower center", ncols=3)
+    outside(figure, marks)
     return figure
 
 

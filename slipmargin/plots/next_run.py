@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Rectangle
 
 from slipmargin.experiment.result import NextRuns
-from slipmargin.plots.style import BLUE, GREY, INK, PALE, RED, styled
+from slipmargin.plots.style import BLUE, GREY, INK, PALE, RED, outside, styled
 
 #: Headings that are drawn along a path.
 _MARKS = 8
@@ -75,5 +75,5 @@ def next_runs_figure(found: NextRuns) -> Figure:
         ),
         Line2D([], [], color=GREY, lw=1.2, label="floor"),
     ]
-    figure.legend(handles=named, loc="outside lower center", ncols=columns)
+    outside(figure, named, columns)
     return figure

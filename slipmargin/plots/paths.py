@@ -18,7 +18,7 @@ from slipmargin.paths.plan import Plan
 from slipmargin.paths.trajectory import NEAR, TIED, Trajectory
 from slipmargin.physics.convention import Convention
 from slipmargin.physics.frames import directions
-from slipmargin.plots.style import BLUE, GREY, INK, PALE, PANEL, RED, WHEELS, below, styled
+from slipmargin.plots.style import BLUE, GREY, INK, PALE, PANEL, RED, WHEELS, below, outside, styled
 
 _DASHES = ("-", (0, (4, 1.5)), (0, (1, 1)))
 
@@ -133,9 +133,7 @@ def _path(
     marks += more
     figure = axes.get_figure(root=True)
     assert isinstance(figure, Figure)
-    figure.legend(
-        handles=marks, loc="outside lower center", ncols=len(marks) if figure.get_figwidth() > 8.0 else 2
-    )
+    outside(figure, marks)
     axes.set(xlabel="x [m]", ylabel="y [m]", title=title)
     low, high = points.min(axis=0), points.max(axis=0)
     half = np.maximum(0.5 * (high - low) + 0.12 * span, 0.45 * span)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from io import BytesIO, StringIO
@@ -11,7 +11,9 @@ from pathlib import Path
 from typing import ParamSpec, TypeVar
 
 import matplotlib as mpl
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Figure  # what plot() returns: other rooms take its type from here
 
 from slipmargin.io.writes import check_format, write_bytes
@@ -100,6 +102,17 @@ def below(axes: Axes, ncols: int) -> None:
     """The legend under the axes, where it covers no curve."""
     more = 0.06 * axes.get_xlabel().count("\n")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16 - more), ncols=ncols)
+
+
+def outside(figure: Figure, marks: Sequence[Artist], most: int | None = None) -> None:
+    """A legend under all axes, in as many columns, at ``most``, as the figure is wide enough for."""
+    renderer = FigureCanvasAgg(figure).get_renderer()  # type: ignore[no-untyped-call]
+    for ncols in range(most or len(marks), 0, -1):
+        legend = figure.legend(handles=marks, loc="outside lower center", ncols=ncols)
+        if legend.get_window_extent(renderer).width <= figure.bbox.width:
+            return
+        legend.remove()
+    figure.legend(handles=marks, loc="outside lower center")
 
 
 def images(figures: Mapping[str, Figure]) -> dict[str, Image]:

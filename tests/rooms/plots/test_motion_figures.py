@@ -139,3 +139,15 @@ def test_the_lines_of_proposed_runs_are_named() -> None:
     drawn = {(line.get_color(), line.get_linestyle()) for line in figure.axes[0].get_lines()}
     shown = {(h.get_color(), h.get_linestyle()) for h in legend.legend_handles}  # type: ignore[union-attr]
     assert drawn <= shown
+
+
+def test_a_legend_of_wheels_with_long_names_is_as_wide_as_the_figure_at_most() -> None:
+    """Of a mecanum robot's plan the legend was cut on both sides."""
+    model = sm.read_robot("mecanum4").build("floor")
+    way = through(np.array([[0, 0, 0], [1, 0.2, 0], [1.5, 1, 0.5], [0.5, 1.4, 1]], dtype=float))
+    found = plan(model, way, Request(share=0.9))
+    rows = trajectory(found, step_s=0.005)
+    for figure in (plan_figure(found, rows), check_figure(model, check(model, rows.t_s, rows.pose), rows)):
+        figure.canvas.draw()
+        seen = figure.legends[0].get_window_extent()
+        assert seen.x0 >= 0.0 and seen.x1 <= figure.bbox.width and len(figure.legends) == 1
