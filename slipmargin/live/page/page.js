@@ -90,7 +90,7 @@ function section(data) {
   const svg = byId("section"), right = data.section.right, forward = data.section.forward;
   const scale = rings(svg, Math.max(...right.map((v, k) => Math.hypot(v, forward[k])), 0.01), "N");
   node(svg, "polygon", { class: "area safe", points: points(right.map((v, k) => [v * scale, -forward[k] * scale])) });
-  node(svg, "polygon", { class: "curve turning", id: "curve-section",
+  node(svg, "polygon", { class: "curve speeding", id: "curve-section",
     points: points(right.map((v, k) => [v * scale, -forward[k] * scale])) });
   readable(svg);
 }
