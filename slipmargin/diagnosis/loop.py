@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
+from slipmargin.checks import Array
 from slipmargin.data.data_set import DataSet
 from slipmargin.data.repair import Repair
 from slipmargin.diagnosis.attempt import Attempt
@@ -18,7 +19,7 @@ from slipmargin.diagnosis.held_out import score
 from slipmargin.diagnosis.leads import leads
 from slipmargin.diagnosis.left_over import left_over, like
 from slipmargin.diagnosis.map_entry import MapEntry
-from slipmargin.diagnosis.order_analysis import order_analysis
+from slipmargin.diagnosis.order_analysis import Periodicity, order_analysis
 from slipmargin.diagnosis.ranges import variables_of
 from slipmargin.diagnosis.refits import without
 from slipmargin.diagnosis.remarks import (
@@ -31,7 +32,15 @@ from slipmargin.diagnosis.remarks import (
     of_the_fit,
 )
 from slipmargin.diagnosis.residual_diagnostics import dependences
-from slipmargin.diagnosis.result import Diagnosis, Finding, Step, TrialTrajectories, Tried, Verdict
+from slipmargin.diagnosis.result import (
+    Diagnosis,
+    Event,
+    Finding,
+    Step,
+    TrialTrajectories,
+    Tried,
+    Verdict,
+)
 from slipmargin.diagnosis.rivals import cannot_be_told
 from slipmargin.diagnosis.rounds import Round
 from slipmargin.diagnosis.run_order import drift_in
@@ -122,7 +131,6 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
     rejected = () if near else checked.rejected  # near the noise only the map's leads stand out
     drift = None if near or explained else drift_in(problem, fitted, s.runs, seed)
     made = leads(remaining, turns, last, rejected, traces, drift) if near or not explained else ()
-    places = [d.folder or d.name for d in data_set.members or (data_set,)]
     following = tuple(lead for lead in made if lead.stands_out or not near)
     return Diagnosis(
         data_set=data_set.name,
@@ -147,33 +155,53 @@ def _diagnosed(attempt: Attempt, budget_s: float | None) -> Diagnosis:
         excitation=_excitation(final),
         events=events,
         outliers=sum(t.dropped for t in trials),
-        trials=tuple(
-            TrialTrajectories(
-                name=t.name,
-                run=s.runs[i],
-                data_set=places[problem.member_of[i]],
-                held_out=i in held,
-                t_s=t.t_s,
-                measured=t.pose,
-                before=drawn_before[i, : len(t.t_s)],
-                after=drawn_after[i, : len(t.t_s)],
-            )
-            for i, t in enumerate(trials)
-        ),
+        trials=_trajectories(attempt, drawn_before, drawn_after),
         recipe=data_set.recipe,
         corrected=data_set.recipe.with_effects(*(() if final is None else acting(final.effects, 0))),
         repairs=conditions.repairs,
         remarks=(
             *(cut_short(budget_s) if attempt.was_cut else ()),
-            *of_the_clock(data_set, checked, final, s.candidates),
-            *of_noise(data_set.members),
-            *of_one_run(len(data_set.trials)),
-            *of_the_draw(checked, before.chi),
-            *of_pieces(state),
-            *of_small_shares(found, state, after.chi),
-            *of_the_fit(final, events, turns, phased=checked.phased, held=len(held) > 0),
+            *_remarks(attempt, final, found, (before.chi, after.chi), events, turns),
         ),
     )
+
+
+def _trajectories(attempt: Attempt, before: Array, after: Array) -> tuple[TrialTrajectories, ...]:
+    """Each trial as measured, and as predicted (R, T, 3) before and after."""
+    s, problem, data_set = attempt.searched, attempt.checked.problem, attempt.conditions.data_set
+    places = [d.folder or d.name for d in data_set.members or (data_set,)]
+    return tuple(
+        TrialTrajectories(
+            name=t.name,
+            run=s.runs[i],
+            data_set=places[problem.member_of[i]],
+            held_out=i in s.held,
+            t_s=t.t_s,
+            measured=t.pose,
+            before=before[i, : len(t.t_s)],
+            after=after[i, : len(t.t_s)],
+        )
+        for i, t in enumerate(problem.trials)
+    )
+
+
+def _remarks(
+    attempt: Attempt,
+    final: Fit | None,
+    found: Sequence[Finding],
+    chi: tuple[float, float],
+    events: tuple[Event, ...],
+    turns: tuple[Periodicity, ...],
+) -> Iterator[str]:
+    """What else is to be said of the data, of the search and of what was found; ``chi`` before and after."""
+    s, checked, data_set = attempt.searched, attempt.checked, attempt.conditions.data_set
+    yield from of_the_clock(data_set, checked, final, s.candidates)
+    yield from of_noise(data_set.members)
+    yield from of_one_run(len(data_set.trials))
+    yield from of_the_draw(checked, chi[0])
+    yield from of_pieces(checked.state)
+    yield from of_small_shares(found, checked.state, chi[1])
+    yield from of_the_fit(final, events, turns, phased=checked.phased, held=len(s.held) > 0)
 
 
 def _beside_all(attempt: Attempt, explained: bool) -> Round | None:
