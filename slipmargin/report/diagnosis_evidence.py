@@ -159,7 +159,7 @@ def parameters(d: Diagnosis) -> tuple[Block, ...]:
     for f in d.findings:
         blocks.append(
             Text(
-                text=f"`{f.name}`{words.on_wheels(f, d)}: {words.meaning(f)} It depends on "
+                text=f"`{f.name}`{words.on_wheels(f, d)}: {words.meaning(f)} It is traced to "
                 f"{words.VARIABLES[f.traced_to]}."
             )
         )

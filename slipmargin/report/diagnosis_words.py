@@ -174,7 +174,9 @@ def interval(estimate: Estimate) -> str:
 
 
 def number(estimate: Estimate) -> str:
-    """``value (low … high)``."""
+    """``value (low … high)``; the value alone where it has no interval, as a count that was tried has none."""
+    if estimate.low == estimate.high:
+        return f"{estimate.value:g}"
     digits = decimals(estimate.high - estimate.low, estimate.value)
     return f"{estimate.value:.{digits}f} ({estimate.low:.{digits}f} … {estimate.high:.{digits}f})"
 

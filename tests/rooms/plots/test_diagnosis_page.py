@@ -425,9 +425,10 @@ def test_every_kind_of_block() -> None:
         (Estimate(name="b", value=31.2, low=12.0, high=50.4, unit="N/m"), "b = 31 (12 … 50) N/m"),
         (
             Estimate(name="c", value=0.6, low=0.6, high=0.6, unit="1", at_bound=True),
-            "c = 0.6000 (0.6000 … 0.6000), at the edge of its range",
+            "c = 0.6, at the edge of its range",
         ),
-        (Estimate(name="d", value=0.0, low=0.0, high=0.0, unit="s"), "d = 0.0 (0.0 … 0.0) s"),
+        (Estimate(name="d", value=0.0, low=0.0, high=0.0, unit="s"), "d = 0 s"),
+        (Estimate(name="sectors_per_turn", value=8.0, low=8.0, high=8.0, unit="1"), "sectors_per_turn = 8"),
         (Estimate(name="e", value=2.0, low=-np.inf, high=np.inf, unit="s"), "e = 2.000 (-inf … inf) s"),
     ],
 )
