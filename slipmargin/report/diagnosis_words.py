@@ -174,7 +174,7 @@ def interval(estimate: Estimate) -> str:
 
 
 def number(estimate: Estimate) -> str:
-    """``value (low … high)``; the value alone where it has no interval, as a count that was tried has none."""
+    """``value (low … high)``; the value alone where it has no interval: a count that was tried."""
     if estimate.low == estimate.high:
         return f"{estimate.value:g}"
     digits = decimals(estimate.high - estimate.low, estimate.value)
