@@ -124,6 +124,8 @@ class Watched:
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):
             raise AttributeError(name)
+        if name not in self._values:  # what follows from others reads these
+            return getattr(type(GROUPS[self._group]), name).fget(self)
         self._read.add(f"{self._group}.{name}")
         return self._values[name]
 
@@ -226,6 +228,10 @@ def main(words: Sequence[str] | None = None) -> int:
     plain = {f"{path.name}:": partial(judge, path, given.budget, [*command, ""], ("read",)) for path in sets}
     if not answer(plain, held, given.out, given.jobs):
         return 130
+    for name in (path.name for path in sets):
+        if held["sets"][f"{name}:"]["verdict"] == "failed":
+            print(f"error: {name} failed: {held['sets'][f'{name}:'].get('said')}", file=sys.stderr)
+            return 1
     earlier: Row = {"collections": [], "table": []}
     if given.beside:
         earlier = json.loads(given.beside.read_text(encoding="utf-8"))

@@ -42,6 +42,8 @@ def test_a_changed_constant_reaches_the_modules_and_is_noted() -> None:
         "from slipmargin.diagnosis import verdict\n"
         "assert verdict.SETTINGS.level == 0.05\n"
         "assert read >= {'data.jump_rows', 'diagnosis.level'}, read\n"
+        "assert 0.0 < verdict.SETTINGS.least_lead_of_squares < 1.0, 'what follows from others'\n"
+        "assert read >= {'diagnosis.least_lead'}, read\n"
     )
     words = [sys.executable, "-c", code]
     done = subprocess.run(words, cwd=ROOT / "benchmarks", capture_output=True, text=True, check=False)
