@@ -72,10 +72,12 @@ def instead_of(state: State, index: int, rounds: Sequence[Round]) -> Iterator[Ri
     """
     candidate = state.structure[index]
     step, own = origin(candidate, state.structure, rounds)
-    for other in () if own is None else step.rivals(own):
-        if own is None or candidate.name in {c.name for c in other.structure}:
+    if own is None:
+        return
+    known = {c.name for c in own.structure}
+    for other in step.rivals(own):
+        if candidate.name in {c.name for c in other.structure}:
             continue
-        known = {c.name for c in own.structure}
         gone = {candidate.thing} | (own.things - other.things)
         kept = [(c, x) for c, x in _split(state) if c.thing not in gone]
         there = {c.thing for c, _ in kept}
