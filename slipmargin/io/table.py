@@ -164,11 +164,12 @@ def _header(line: str, required: Sequence[str], known: Sequence[str] | None) -> 
             raise InputError(f"1:{place}", f"the column {name!r} is given twice", "remove one of them")
     missing = [name for name in required if name not in names]
     if missing:
-        exists = ", ".join(names)
+        exists, lack = ", ".join(names), ", ".join(map(repr, missing))
+        one = len(missing) == 1
         raise InputError(
             "1:1",
-            f"the column {', '.join(map(repr, missing))} is missing",
-            f"add it (the file has: {exists[:200]})",
+            f"the column {lack} is missing" if one else f"the columns {lack} are missing",
+            f"add {'it' if one else 'them'} (the file has: {exists[:200]})",
         )
     if known is not None:
         allowed = [*required, *known]

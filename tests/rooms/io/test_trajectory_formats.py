@@ -284,7 +284,7 @@ PLANNER = (SAMPLES / "pathplanner.wpilib.json").read_text(encoding="utf-8")
         ("<xml/>", "is no trajectory of a known form"),
         (
             "time,x,y,theta\n0,0,0,0\n",
-            "'phi_rad' is missing, add it (the file has: time, x, y, theta)",
+            "'phi_rad' are missing, add them (the file has: time, x, y, theta)",
         ),
         (
             "t_s;x_m;y_m;phi_rad\n0;0;0;0\n",
@@ -306,7 +306,7 @@ PLANNER = (SAMPLES / "pathplanner.wpilib.json").read_text(encoding="utf-8")
         (PLANNER.replace('"x"', '"X"', 1), "[0].pose.translation.x: is missing"),
         (PLANNER.replace('"translation"', '"trans"', 1), "[0].pose.translation: is missing"),
         (PLANNER.replace("90.0", '"N"', 1), "[0].holonomicRotation: is 'N', not a number"),
-        ("t_s,x_m\n0,0\n", "'y_m', 'phi_rad' is missing"),
+        ("t_s,x_m\n0,0\n", "the columns 'y_m', 'phi_rad' are missing"),
         ("", "there is no header"),
     ],
 )
